@@ -1,0 +1,84 @@
+# libshadowbias: make, make demo, make check, make bench, make install.
+#   config=release|debug|sanitize|coverage   V=1 shows the commands   CC=clang   CFLAGS, PREFIX, DESTDIR
+
+CC ?= cc
+AR ?= ar
+PREFIX ?= /usr/local
+config ?= release
+BUILD ?= build$(if $(filter-out release,$(config)),/$(config))
+
+CFLAGS ?=
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion
+STRICT := -std=c11 -ffp-contract=off -D_POSIX_C_SOURCE=200809L
+FLAGS_release := -O3 -DNDEBUG
+FLAGS_debug := -O0 -g
+FLAGS_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+FLAGS_coverage := -O0 -g --coverage
+ifeq ($(FLAGS_$(config)),)
+$(error config=$(config) is not one of release, debug, sanitize, coverage)
+endif
+BASE := $(STRICT) $(WARNINGS) $(FLAGS_$(config)) -MMD -MP -Iinclude
+FLAGS = $(BASE) $(CFLAGS)
+LIBS := -lm -pthread
+
+ifneq ($(V),1)
+Q := @
+endif
+
+LIBRARY := $(BUILD)/libshadowbias.a
+LIB_SRC := $(wildcard src/*.c src/kernels/*.c src/reference/*.c)
+SUPPORT_SRC := $(wildcard examples/support/*.c)
+EXAMPLES := $(patsubst examples/%.c,$(BUILD)/%,$(wildcard examples/*.c))
+TEST_SRC := $(wildcard tests/*.c tests/support/*.c)
+BENCH_SRC := $(wildcard tests/bench/*.c)
+
+object = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
+OBJECTS := $(call object,$(LIB_SRC) $(SUPPORT_SRC) $(TEST_SRC) $(BENCH_SRC) $(wildcard examples/*.c))
+
+all: $(LIBRARY) $(EXAMPLES)
+
+$(LIBRARY): $(call object,$(LIB_SRC))
+	$(Q)rm -f $@
+	$(Q)$(AR) rcs $@ $^
+
+$(EXAMPLES): $(BUILD)/%: $(BUILD)/obj/examples/%.o $(call object,$(SUPPORT_SRC)) $(LIBRARY)
+	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
+
+$(BUILD)/check: $(call object,$(TEST_SRC) $(SUPPORT_SRC)) $(LIBRARY)
+	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
+
+$(BUILD)/bench: $(call object,$(BENCH_SRC) $(SUPPORT_SRC)) $(LIBRARY)
+	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
+
+# Objects depend on the commands that made them, so that another CC or CFLAGS rebuilds.
+STAMP := $(BUILD)/obj/flags
+$(shell mkdir -p $(BUILD)/obj && echo '$(CC) $(FLAGS)' | cmp -s - $(STAMP) || echo '$(CC) $(FLAGS)' > $(STAMP))
+
+$(BUILD)/obj/%.o: %.c $(STAMP)
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) $(if $(filter src/%,$<),,-Iexamples/support -Itests/support) -c -o $@ $<
+
+demo: $(BUILD)/demo
+	$(Q)mkdir -p $(BUILD)/out
+	$(Q)$(BUILD)/demo $(BUILD)/out
+
+check: $(BUILD)/check $(EXAMPLES)
+	$(Q)$(BUILD)/check
+
+bench: $(BUILD)/bench
+	$(Q)$(BUILD)/bench
+
+install: $(LIBRARY)
+	$(Q)mkdir -p $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include/shadowbias
+	$(Q)cp $(LIBRARY) $(DESTDIR)$(PREFIX)/lib/
+	$(Q)cp include/shadowbias/*.h $(DESTDIR)$(PREFIX)/include/shadowbias/
+	@echo "installed to $(DESTDIR)$(PREFIX)"
+
+clean:
+	$(Q)rm -rf build
+
+format:
+	$(Q)clang-format -i $$(git ls-files '*.c' '*.h' '*.inl')
+
+.PHONY: all demo check bench install clean format
+-include $(OBJECTS:.o=.d)

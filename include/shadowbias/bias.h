@@ -1,0 +1,183 @@
+/* Bias methods: each turns a fragment into a receiver plane.
+ *
+ * The receiver plane is the depth that the map holds, texel by texel, if nothing stands between the
+ * light and the fragment: ref + m * step_x + n * step_y at the texel m columns and n rows away from
+ * the fragment's own one, epsilon already taken off. A filter compares it with the map. Methods and
+ * filters combine freely.
+ *
+ * Depth is canonical here: smaller is nearer to the light, 0 .. 1 from near to far for a standard
+ * map, -1 .. 0 for a reversed one (the map's depth negated). No method needs to know which it is.
+ *
+ * A method is a plain value. It has up to three stages, each a function that may be NULL:
+ *   offset   before projection: moves the points
+ *   depth    after projection: writes ref, step_x, step_y; NULL: ref is the own depth, no steps
+ *   combine  when the map is drawn: what the map keeps of its two nearest layers; NULL: the nearest
+ *
+ * Outcomes where the papers are silent:
+ *   fragment outside the map, behind the light, or not finite   lit (visibility 1)
+ *   fragment beyond the far plane    tested as if it lay on the far plane: empty texels light it
+ *   no normal (zero or not finite)   the light's direction takes its place: the receiver is taken to
+ *                                    face the light, slopes are 0
+ *   plane parallel to the light ray  slopes are cut off at 1 map depth per texel; 0 if undefined */
+#ifndef SHADOWBIAS_BIAS_H
+#define SHADOWBIAS_BIAS_H
+
+#include "shadowbias/raster.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct shb_bias shb_bias;
+
+/* What a map tells the methods and tools. Lengths in world units. */
+typedef struct shb_map_info {
+    shb_view view;
+    shb_light_source light;
+    uint32_t width, height;
+    shb_format format;
+    double scene_scale;  /* diagonal of the box of what was drawn, or as given in the description */
+    size_t memory_bytes; /* texels and padding */
+} shb_map_info;
+
+/* Texel coordinate of a fragment that has none: behind the light, or not finite. */
+#define SHB_TEXEL_NONE (-(1 << 30))
+
+/* A batch of fragments as one light sees them: structure of arrays, one element a fragment. Elements
+ * count .. SHB_BATCH - 1 hold copies of a valid fragment, so that a loop may run over the count
+ * rounded up to 16. A stage reads what the method's needs name and what earlier stages wrote. */
+typedef struct shb_receivers {
+    /* the fragment; the offset stage may move it */
+    SHB_ALIGN float x[SHB_BATCH]; /* world position */
+    float y[SHB_BATCH];
+    float z[SHB_BATCH];
+    /* SHB_NEEDS_NORMAL: unit geometric normal, turned to the light's side of the surface */
+    float normal_x[SHB_BATCH];
+    float normal_y[SHB_BATCH];
+    float normal_z[SHB_BATCH];
+    float cosine[SHB_BATCH]; /* of the angle between normal and light direction, 0 .. 1 */
+    /* SHB_NEEDS_SCALE */
+    float texel_size[SHB_BATCH];      /* width of a texel at the fragment, world units */
+    float depth_per_world[SHB_BATCH]; /* change of map depth per world unit away from the light, > 0 */
+    /* the projection of the (moved) point; written before the depth stage */
+    int32_t texel_x[SHB_BATCH]; /* the texel that holds the point; may lie outside the map */
+    int32_t texel_y[SHB_BATCH];
+    float to_center_x[SHB_BATCH]; /* from the point to the centre of that texel, -0.5 .. 0.5 texels */
+    float to_center_y[SHB_BATCH];
+    float depth[SHB_BATCH]; /* canonical map depth of the point */
+    /* SHB_NEEDS_SLOPE: canonical depth per texel of the plane through the unmoved point */
+    float slope_x[SHB_BATCH];
+    float slope_y[SHB_BATCH];
+    /* the receiver plane: written by the depth stage */
+    float ref[SHB_BATCH];    /* at the centre of the fragment's own texel */
+    float step_x[SHB_BATCH]; /* per texel to the right */
+    float step_y[SHB_BATCH]; /* per texel down */
+} shb_receivers;
+
+typedef struct shb_bias_args {
+    size_t count; /* 1 .. SHB_BATCH */
+    const shb_bias *bias;
+    const shb_map_info *map;
+    shb_receivers *receivers;
+} shb_bias_args;
+
+/* A stage works on the whole batch; it must be thread-safe and may not fail. */
+typedef void shb_bias_fn(const shb_bias_args *args);
+
+/* Combines two layers into the depth that the map keeps, for count texels of a row: nearest[i] and
+ * second[i] are canonical; absent layers hold the far depth. combined may be nearest. */
+typedef void shb_combine_fn(const shb_bias *bias, size_t count, const float *nearest,
+                            const float *second, float *combined);
+
+enum {
+    SHB_NEEDS_NORMAL = 1, /* the points must come with normals; fills normal_*, cosine */
+    SHB_NEEDS_SCALE = 2,  /* fills texel_size, depth_per_world */
+    SHB_NEEDS_SLOPE = 4,  /* fills slope_*; implies SHB_NEEDS_NORMAL */
+    SHB_NEEDS_FLIPPED = 8 /* the map is drawn with flip_culling */
+};
+
+struct shb_bias {
+    const char *name;
+    shb_bias_fn *offset;
+    shb_bias_fn *depth;
+    shb_combine_fn *combine;
+    uint32_t needs; /* SHB_NEEDS_* */
+    float params[SHB_PARAMS_MAX];
+    const void *user; /* for methods of your own; must outlive the use of the value */
+};
+
+/* The unit of a constant bias. */
+typedef enum shb_unit {
+    SHB_UNIT_DEPTH = 0, /* of the map, whose range is 1 */
+    SHB_UNIT_TEXEL,     /* width of a texel at the fragment, towards the light */
+    SHB_UNIT_WORLD      /* world units towards the light */
+} shb_unit;
+
+/* "none": ref = depth. */
+shb_bias shb_bias_none(void);
+
+/* "constant": ref = depth - amount (Williams 1978). Default of tools: 0.002, SHB_UNIT_DEPTH. */
+shb_bias shb_bias_constant(float amount, shb_unit unit);
+
+/* "slope": ref = depth - min(factor * max(|slope_x|, |slope_y|) + units * 2^-24, clamp): the polygon
+ * offset of OpenGL and Direct3D, on the receiver's side (King 2004). clamp in map depth; 0: none.
+ * Default: factor 1.1, units 4, no clamp. */
+shb_bias shb_bias_slope(float factor, float units, float clamp);
+
+/* "angle": the world distance base / cosine, at most limit, towards the light (Gautron, Marvie and
+ * Briand, EP 2411967, claims 1 to 3). Both as fractions of scene_scale. Default: 0.001, 0.01. */
+shb_bias shb_bias_angle(float base, float limit);
+
+/* "normal-offset": the point moves texels * texel_size * sin(theta) along its normal, theta between
+ * normal and light (Holbert 2011); then depth is taken off in map depth. Default: 1.5, 1e-5. */
+shb_bias shb_bias_normal_offset(float texels, float depth);
+
+/* "receiver-plane": ref = plane at the texel's centre - epsilon, steps = slopes (Isidoro 2006), from
+ * the exact plane instead of screen derivatives. Default epsilon: 1e-5 map depth. */
+shb_bias shb_bias_receiver_plane(float epsilon);
+
+/* "texel-cone": the point moves radius * (1.16 * sin(theta) + 0.195) along its normal, radius being
+ * half the diagonal of a texel at the fragment. No parameter. */
+shb_bias shb_bias_texel_cone(void);
+
+/* "midpoint": the map keeps the mean of its two nearest layers (Woo 1992); ref = depth. */
+shb_bias shb_bias_midpoint(void);
+
+/* "dual-layer": the map keeps z1 + min((z2 - z1) / 2, offset) (Weiskopf and Ertl 2003, eq. 2);
+ * ref = depth. offset in map depth. Default: 0.01. */
+shb_bias shb_bias_dual_layer(float offset);
+
+/* "back-face": the map is drawn from the faces that are culled otherwise (Wang and Molnar 1994);
+ * ref = depth. Instances that cull nothing are drawn as they are. */
+shb_bias shb_bias_back_face(void);
+
+/* "adaptive": ref = plane at the texel's centre - depth_per_world * scene_scale * k, steps = slopes
+ * (Dou et al. 2014, section 2.1 and eq. 10, whose fraction is the derivative of depth by distance;
+ * for an orthographic map that derivative is constant). The derivative is taken at the fragment.
+ * Default k: 1e-4. scene_scale 0: that of the map. */
+shb_bias shb_bias_adaptive(float k, float scene_scale);
+
+/* "adaptive-soft": the same with epsilon times min(1 / cosine^2, threshold) (Ehm et al. 2015, eq. 3
+ * and 4). Default threshold: 100. */
+shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
+
+/* One built-in method for tools: its default value and the names of its parameters. */
+typedef struct shb_bias_method {
+    const char *name;
+    const char *summary;
+    shb_bias (*make)(void);                  /* with default parameters */
+    const char *param_names[SHB_PARAMS_MAX]; /* in the order of shb_bias.params; NULL: no such one */
+} shb_bias_method;
+
+/* All built-in methods in the order above; never fails. */
+const shb_bias_method *shb_bias_methods(size_t *count);
+
+/* A method by its text form "name" or "name:param=value,param=value", numbers as in C, decimal point
+ * '.'. SHB_ERROR_ARGUMENT for an unknown name, parameter, or a number that is not finite. */
+shb_result shb_bias_parse(const char *text, shb_bias *bias);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

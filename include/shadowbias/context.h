@@ -1,0 +1,73 @@
+/* The context: allocator, threads, log and instruction-set cap. */
+#ifndef SHADOWBIAS_CONTEXT_H
+#define SHADOWBIAS_CONTEXT_H
+
+#include "shadowbias/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct shb_context shb_context;
+
+/* alloc returns NULL when there is no memory; alignment is a power of two of at most 64.
+ * Both functions may be called from any thread that calls the library, never from a task. */
+typedef struct shb_allocator {
+    void *(*alloc)(void *user, size_t size, size_t alignment);
+    void (*free)(void *user, void *memory);
+    void *user;
+} shb_allocator;
+
+/* One piece of work: index is 0 .. count - 1. Tasks of one call are independent of each other. */
+typedef void shb_task_fn(void *arg, size_t index);
+
+/* Runs task(arg, i) for every i below count, in any order, on any threads, and returns when all of
+ * them are done. The host's scheduler plugs in here. */
+typedef void shb_parallel_for_fn(void *user, shb_task_fn *task, void *arg, size_t count);
+
+/* Called with one sentence that names the function, the field and the value, whenever a call fails.
+ * May be called from any thread that calls the library. */
+typedef void shb_log_fn(void *user, shb_result result, const char *sentence);
+
+/* Results never depend on it: it is for tests, tools and measurements. */
+typedef enum shb_isa {
+    SHB_ISA_BEST = 0, /* what the processor offers */
+    SHB_ISA_SCALAR,   /* the reference code, one lane */
+    SHB_ISA_SSE2,     /* x86-64 baseline */
+    SHB_ISA_AVX2,
+    SHB_ISA_AVX512,
+    SHB_ISA_NEON, /* aarch64 baseline */
+    SHB_ISA_COUNT
+} shb_isa;
+
+typedef struct shb_context_desc {
+    shb_allocator allocator;           /* alloc NULL: the C library's */
+    shb_parallel_for_fn *parallel_for; /* NULL: a pool of this library's own threads */
+    void *parallel_user;
+    uint32_t threads; /* size of the own pool, caller included, 1 .. 256; 0: one per processor.
+                         With parallel_for: a hint of the host's width, 0 stands for 8 */
+    shb_log_fn *log;  /* NULL: silent */
+    void *log_user;
+    shb_isa max_isa; /* a cap; one that this processor lacks falls back to the next lower one */
+} shb_context_desc;
+
+/* desc may be NULL: all defaults. SHB_ERROR_ARITHMETIC if the floating point of this build or thread
+ * is not IEEE round-to-nearest without contraction and without flushed subnormals.
+ * A context serves one drawing or shading call at a time; asking maps for visibility needs none. */
+shb_result shb_context_create(const shb_context_desc *desc, shb_context **context);
+
+/* NULL is ignored. Destroy what was created with the context first. */
+void shb_context_destroy(shb_context *context);
+
+/* The instruction set that the context settled on, and its name in tools: "scalar", "avx2", ... */
+shb_isa shb_context_isa(const shb_context *context);
+const char *shb_isa_name(shb_isa isa);
+
+/* The threads that work on one call, caller included. */
+uint32_t shb_context_threads(const shb_context *context);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

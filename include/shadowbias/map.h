@@ -1,0 +1,64 @@
+/* Shadow maps: what a light sees, and the question that every renderer asks of it. */
+#ifndef SHADOWBIAS_MAP_H
+#define SHADOWBIAS_MAP_H
+
+#include "shadowbias/filter.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct shb_map_desc {
+    shb_view view;       /* the light */
+    uint32_t width;      /* texels, 1 .. SHB_SIZE_MAX */
+    uint32_t height;     /* 0: the width */
+    shb_format format;
+    double scene_scale;  /* world units; 0: the diagonal of the box of what is drawn, or of the light's
+                            frustum for a map that is wrapped (its near half when far is infinite) */
+} shb_map_desc;
+
+/* An empty map: every fragment is lit. SHB_ERROR_NUMBER if the view cannot be inverted. */
+shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_map **map);
+
+/* A map around depths that the host made (rasterized, or read back from a GPU) with the same view,
+ * size and format. texels is borrowed and read at every question; stride in bytes, 0: no gaps.
+ * holds names the method whose combine stage or culling the host applied; NULL: the nearest depth. */
+shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const void *texels,
+                        size_t stride, const shb_bias *holds, shb_map **map);
+
+/* Draws the scene into a map that shb_map_create made, in place of what it held. bias decides what
+ * the map keeps (its combine stage, SHB_NEEDS_FLIPPED); NULL or any method without these: the nearest
+ * depth, which serves all such methods alike. stats may be NULL. Errors as shb_draw; the map keeps
+ * what it held then. One call at a time for a context, and none while others ask the map. */
+shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
+                        shb_draw_stats *stats);
+
+/* NULL is ignored. */
+void shb_map_destroy(shb_map *map);
+
+const shb_map_info *shb_map_get_info(const shb_map *map);
+
+/* The stored depths, top row first; valid until the map is drawn again or destroyed. */
+shb_depth_image shb_map_get_depth(const shb_map *map);
+
+/* Points of a host: any count, any layout. Strides in bytes, multiples of 4; 0: 12. */
+typedef struct shb_points {
+    size_t count;
+    const float *positions; /* x, y, z in world units */
+    size_t position_stride;
+    const float *normals; /* unit geometric normals of either side, not shading normals; NULL if the
+                             method does not need them */
+    size_t normal_stride;
+} shb_points;
+
+/* Visibility of the light from count points: 0 shadowed .. 1 lit. filter NULL: hard. Allocates
+ * nothing; any thread, any number at a time. SHB_ERROR_UNSUPPORTED if the method needs normals that
+ * are missing or a map drawn for it; SHB_ERROR_ARGUMENT for NULL pointers or bad strides. */
+shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,
+                              const shb_filter *filter, float *visibility);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,63 @@
+/* Meshes, instances and scenes: borrowed views of the host's own arrays; nothing is copied. */
+#ifndef SHADOWBIAS_SCENE_H
+#define SHADOWBIAS_SCENE_H
+
+#include "shadowbias/math.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Triangles by strided views. A triangle with a vertex that is not finite after its transform is left
+ * out and counted; a triangle without area covers nothing. */
+typedef struct shb_mesh {
+    const float *positions;  /* x, y, z of each vertex in mesh units */
+    size_t position_stride;  /* bytes from one vertex to the next, a multiple of 4; 0: 12 */
+    const float *normals;    /* shading normals, or NULL; never used by a bias method */
+    size_t normal_stride;    /* bytes, a multiple of 4; 0: 12 */
+    uint32_t vertex_count;   /* indices must be below it */
+    const void *indices;     /* three a triangle; NULL: vertices 0 1 2, 3 4 5, ... */
+    uint32_t index_size;     /* bytes of an index: 2 or 4; 0: 4 */
+    uint32_t triangle_count; /* 0 draws nothing */
+} shb_mesh;
+
+typedef enum shb_cull {
+    SHB_CULL_NONE = 0, /* thin sheets: both sides are drawn */
+    SHB_CULL_BACK,     /* closed solids: only front faces are drawn */
+    SHB_CULL_FRONT     /* only back faces are drawn */
+} shb_cull;
+
+typedef struct shb_instance {
+    const shb_mesh *mesh;
+    shb_mat4 world_from_mesh; /* last row 0 0 0 1; all zeros: the identity. A mirroring transform
+                                 keeps front faces in front: its winding is turned round */
+    shb_cull cull;
+} shb_instance;
+
+/* Triangle ids count through the instances in order: those of instance k start where the triangles
+ * of instance k - 1 end. */
+typedef struct shb_scene {
+    const shb_instance *instances;
+    size_t instance_count;
+} shb_scene;
+
+/* Checks every field, every index and every transform of the scene against the rules above. Drawing
+ * does the same checks except those of the indices, which cost a pass over them: call this once for
+ * meshes from a source you do not trust. */
+shb_result shb_scene_validate(const shb_scene *scene);
+
+/* The number of triangles; 0 for a scene that drawing would refuse. */
+uint64_t shb_scene_triangle_count(const shb_scene *scene);
+
+/* The box around all finite vertices that a triangle uses, in world units; empty if there are none. */
+shb_result shb_scene_bounds(const shb_scene *scene, shb_box *bounds);
+
+/* The three corners of a triangle in world units, in mesh order: float position times transform, in
+ * double. SHB_ERROR_ARGUMENT if the scene has no such id. Cost grows with the number of instances. */
+shb_result shb_scene_triangle(const shb_scene *scene, uint32_t id, shb_vec3 corners[3]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

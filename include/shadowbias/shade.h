@@ -1,0 +1,103 @@
+/* Shading: from a visibility buffer to an image, in batches, through the user's callback. */
+#ifndef SHADOWBIAS_SHADE_H
+#define SHADOWBIAS_SHADE_H
+
+#include "shadowbias/image.h"
+#include "shadowbias/map.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SHB_LIGHTS_MAX 16
+
+/* What a camera saw: the view it was drawn with and the triangle ids that shb_draw wrote. */
+typedef struct shb_frame {
+    const shb_view *view;
+    const shb_scene *scene;
+    uint32_t width, height;
+    const uint32_t *ids;
+    size_t id_stride; /* bytes; 0: rows without gaps */
+} shb_frame;
+
+/* A batch of fragments: consecutive covered pixels of a row. The position is the point of the
+ * triangle under the pixel's centre, clamped to the triangle where snapping covered a centre just
+ * outside it; normals are unit vectors turned towards the camera. */
+typedef struct shb_fragments {
+    SHB_ALIGN float x[SHB_BATCH]; /* world position */
+    float y[SHB_BATCH];
+    float z[SHB_BATCH];
+    float normal_x[SHB_BATCH]; /* of the triangle */
+    float normal_y[SHB_BATCH];
+    float normal_z[SHB_BATCH];
+    float shading_x[SHB_BATCH]; /* interpolated from the mesh's normals; the triangle's without */
+    float shading_y[SHB_BATCH];
+    float shading_z[SHB_BATCH];
+    float weight_1[SHB_BATCH]; /* barycentric weights of the triangle's second and third corner */
+    float weight_2[SHB_BATCH];
+    uint32_t id[SHB_BATCH];
+    int32_t pixel_x[SHB_BATCH];
+    int32_t pixel_y[SHB_BATCH];
+} shb_fragments;
+
+/* What one light does to the batch. */
+typedef struct shb_lighting {
+    SHB_ALIGN float visibility[SHB_BATCH]; /* 0 shadowed .. 1 lit; 0 where the triangle faces away */
+    float cosine[SHB_BATCH]; /* between shading normal and light direction, 0 where either normal
+                                faces away */
+} shb_lighting;
+
+typedef struct shb_shade_light {
+    const shb_map *map;
+    const shb_bias *bias;
+    const shb_filter *filter; /* NULL: hard */
+    float color[3];           /* linear, 1 is full */
+} shb_shade_light;
+
+typedef struct shb_shade_args {
+    size_t count; /* 1 .. SHB_BATCH */
+    const shb_fragments *fragments;
+    size_t light_count;
+    const shb_shade_light *lights;
+    const shb_lighting *lighting; /* one a light */
+    const void *user;
+    float *red; /* out: linear colour, SHB_BATCH elements each; written to the image as its square */
+    float *green; /* root, clamped to 0 .. 1 (a display gamma of 2) */
+    float *blue;
+} shb_shade_args;
+
+/* Must be thread-safe: batches of one frame run at the same time. */
+typedef void shb_shade_fn(const shb_shade_args *args);
+
+typedef struct shb_shade_desc {
+    shb_frame frame;
+    const shb_shade_light *lights;
+    size_t light_count; /* 0 .. SHB_LIGHTS_MAX */
+    shb_shade_fn *shade;
+    const void *user;
+    float background[3]; /* linear colour of pixels without a fragment */
+    shb_image image;     /* pixels NULL: none is written, the callback may keep what it wants */
+} shb_shade_desc;
+
+/* Shades the frame. Errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE, SHB_ERROR_NUMBER,
+ * SHB_ERROR_UNSUPPORTED as shb_map_visibility, SHB_ERROR_MEMORY; the image is untouched then. Ids
+ * that the scene does not have are background. One call at a time for a context. */
+shb_result shb_shade(shb_context *context, const shb_shade_desc *desc);
+
+/* White Lambert surfaces under all lights, with a little ambient light (0.08) from above. user: NULL,
+ * or a pointer to the three floats of a surface colour. */
+void shb_shade_lambert(const shb_shade_args *args);
+
+/* Lambert in grey, false shadow red and false light blue, for the first light. user: an
+ * shb_shade_error_params. */
+typedef struct shb_shade_error_params {
+    const uint8_t *truth; /* one an pixel, as shb_reference_classify writes it */
+    size_t stride;        /* bytes from one row to the next */
+} shb_shade_error_params;
+void shb_shade_error(const shb_shade_args *args);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

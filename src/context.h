@@ -1,0 +1,54 @@
+/* The inside of a context: memory, scratch, threads, log. */
+#ifndef SRC_CONTEXT_H
+#define SRC_CONTEXT_H
+
+#include "shadowbias/context.h"
+
+/* Memory that grows and is kept, so that a warm context allocates nothing. */
+typedef struct shb_buffer {
+    void *data;
+    size_t size;
+} shb_buffer;
+
+typedef struct shb_pool shb_pool;
+
+struct shb_context {
+    shb_allocator allocator;
+    shb_parallel_for_fn *parallel_for;
+    void *parallel_user;
+    shb_pool *pool; /* NULL with a host's scheduler or a single thread */
+    uint32_t threads;
+    shb_log_fn *log;
+    void *log_user;
+    shb_isa isa;
+    shb_buffer draw_scratch[16]; /* drawing's own, named in draw.c */
+    shb_buffer map_scratch[4];   /* layers that a map combines */
+};
+
+/* count * size bytes on a 64-byte boundary, or NULL when the product overflows or memory is out.
+ * Zero bytes give one byte, so that NULL always means failure. */
+void *shb_alloc(const shb_context *context, size_t count, size_t size);
+
+/* NULL is ignored. */
+void shb_free(const shb_context *context, void *memory);
+
+/* At least count * size bytes in the buffer, old contents lost when it grows; false: out of memory,
+ * the buffer is then empty. */
+bool shb_buffer_reserve(const shb_context *context, shb_buffer *buffer, size_t count, size_t size);
+
+/* Runs the tasks on the host's scheduler, the pool or the calling thread. */
+void shb_parallel_for(const shb_context *context, shb_task_fn *task, void *arg, size_t count);
+
+/* Logs one sentence and returns the result: return shb_fail(context, SHB_ERROR_SIZE, "..."). */
+shb_result shb_fail(const shb_context *context, shb_result result, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* pool.c: threads - 1 workers; NULL when they cannot be had. */
+shb_pool *shb_pool_create(const shb_context *context, uint32_t threads);
+void shb_pool_destroy(const shb_context *context, shb_pool *pool);
+void shb_pool_run(shb_pool *pool, shb_task_fn *task, void *arg, size_t count);
+
+/* cpu.c: the best instruction set of this processor that is not above the cap. */
+shb_isa shb_cpu_isa(shb_isa cap);
+
+#endif

@@ -1,0 +1,31 @@
+/* The point of a triangle that a pixel sees: shared by shading and by the truth, in double. */
+#ifndef SRC_SURFACE_H
+#define SRC_SURFACE_H
+
+#include "shadowbias/shade.h"
+
+typedef struct shb_surface_triangle {
+    uint32_t id;
+    shb_vec3 corners[3];          /* world */
+    shb_vec3 normal;              /* unit, by winding; zero for a triangle without area */
+    shb_vec3 cofactors[3];        /* rows: weight of corner k at ndc (x, y) ~ dot(row k, (x, y, 1)) */
+    bool has_normals;
+    shb_vec3 shading[3];          /* world, not normalised */
+} shb_surface_triangle;
+
+/* Prepares a triangle of the scene for one camera; false when the scene has no such id. */
+bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_t id,
+                         shb_surface_triangle *triangle);
+
+/* Barycentric weights of the point under the centre of pixel (column, row), clamped to the triangle:
+ * all >= 0, sum 1. */
+void shb_surface_weights(const shb_surface_triangle *triangle, uint32_t width, uint32_t height,
+                         uint32_t column, uint32_t row, double weights[3]);
+
+/* The point of these weights. */
+shb_vec3 shb_surface_point(const shb_surface_triangle *triangle, const double weights[3]);
+
+/* True if the eye of the camera lies on the side that the normal points to. */
+bool shb_surface_faces(const shb_surface_triangle *triangle, const shb_light_source *eye);
+
+#endif

@@ -1,0 +1,84 @@
+#include "test.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+static test_case *first_test;
+static test_case **last_link = &first_test;
+static unsigned checks, failures;
+static const char *skip_reason;
+
+void test_register(test_case *test) {
+    *last_link = test;
+    last_link = &test->next;
+}
+
+bool test_check(bool condition, const char *file, int line, const char *format, ...) {
+    checks++;
+    if (condition)
+        return true;
+    /* A loop over many samples should not bury the first failure. */
+    if (failures++ < 10) {
+        va_list args;
+        va_start(args, format);
+        printf("  %s:%d: ", file, line);
+        vprintf(format, args);
+        printf("\n");
+        va_end(args);
+    }
+    return false;
+}
+
+void test_skip(const char *reason) {
+    skip_reason = reason;
+}
+
+static bool is_wanted(const test_case *test, int argc, char **argv) {
+    for (int i = 1; i < argc; i++)
+        if (strstr(test->name, argv[i]) || strstr(test->file, argv[i]))
+            return true;
+    return argc == 1;
+}
+
+static double seconds_now(void) {
+    struct timespec now;
+    timespec_get(&now, TIME_UTC);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Arguments: parts of test or file names to run; -v lists every test with its time. */
+int main(int argc, char **argv) {
+    bool verbose = argc > 1 && strcmp(argv[1], "-v") == 0;
+    if (verbose) {
+        argv++;
+        argc--;
+    }
+    unsigned passed = 0, failed = 0, skipped = 0;
+    for (test_case *test = first_test; test; test = test->next) {
+        if (!is_wanted(test, argc, argv))
+            continue;
+        checks = failures = 0;
+        skip_reason = NULL;
+        const double start = seconds_now();
+        test->run();
+        if (checks == 0 && !skip_reason)
+            test_check(false, test->file, 0, "checks nothing");
+        if (failures)
+            printf("FAILED %s (%s): %u of %u checks\n", test->name, test->file, failures, checks);
+        else if (skip_reason)
+            printf("skipped %s: %s\n", test->name, skip_reason);
+        else if (verbose)
+            printf("ok %s (%.2f s, %u checks)\n", test->name, seconds_now() - start, checks);
+        failed += failures != 0;
+        skipped += !failures && skip_reason;
+        passed += !failures && !skip_reason;
+        fflush(stdout);
+    }
+    printf("%u passed, %u failed", passed, failed);
+    if (skipped)
+        printf(", %u skipped", skipped);
+    printf("\n");
+    return failed != 0 || passed == 0;
+}
