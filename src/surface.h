@@ -6,19 +6,22 @@
 
 typedef struct shb_surface_triangle {
     uint32_t id;
-    shb_vec3 corners[3];          /* world */
-    shb_vec3 normal;              /* unit, by winding; zero for a triangle without area */
-    shb_vec3 cofactors[3];        /* rows: weight of corner k at ndc (x, y) ~ dot(row k, (x, y, 1)) */
+    shb_vec3 corners[3];   /* world, in mesh order */
+    shb_vec3 normal;       /* unit, by winding; zero for a triangle without area */
+    shb_vec3 clip[3];      /* the corners' x, y and w */
+    shb_vec3 cofactors[3]; /* rows: weight of corner k at ndc (x, y) ~ dot(row k, (x, y, 1)) >= 0 */
     bool has_normals;
-    shb_vec3 shading[3];          /* world, not normalised */
+    shb_vec3 shading[3]; /* world, not normalised */
 } shb_surface_triangle;
 
-/* Prepares a triangle of the scene for one camera; false when the scene has no such id. */
+/* Prepares a triangle of the scene for one camera; false when the scene has no such id or a corner
+ * is not finite. */
 bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_t id,
                          shb_surface_triangle *triangle);
 
-/* Barycentric weights of the point under the centre of pixel (column, row), clamped to the triangle:
- * all >= 0, sum 1. */
+/* Barycentric weights of the point under the centre of pixel (column, row), or of the nearest point
+ * on the screen if the centre lies outside of the triangle: all >= 0, sum 1. (1, 0, 0) if no corner
+ * lies in front of the camera. */
 void shb_surface_weights(const shb_surface_triangle *triangle, uint32_t width, uint32_t height,
                          uint32_t column, uint32_t row, double weights[3]);
 
