@@ -39,12 +39,15 @@ bool shb_buffer_reserve(const shb_context *context, shb_buffer *buffer, size_t c
 /* Runs the tasks on the host's scheduler, the pool or the calling thread. */
 void shb_parallel_for(const shb_context *context, shb_task_fn *task, void *arg, size_t count);
 
-/* Logs one sentence and returns the result: return shb_fail(context, SHB_ERROR_SIZE, "..."). */
+/* Logs one sentence and returns the result: return shb_fail(context, SHB_ERROR_SIZE, "...").
+ * Without a context nothing is logged. */
 shb_result shb_fail(const shb_context *context, shb_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* pool.c: threads - 1 workers; NULL when they cannot be had. */
+/* pool.c: threads - 1 workers, or as many as the system grants; NULL: out of memory. */
 shb_pool *shb_pool_create(const shb_context *context, uint32_t threads);
+/* The threads it has, caller included. */
+uint32_t shb_pool_threads(const shb_pool *pool);
 void shb_pool_destroy(const shb_context *context, shb_pool *pool);
 void shb_pool_run(shb_pool *pool, shb_task_fn *task, void *arg, size_t count);
 

@@ -41,7 +41,7 @@ typedef enum shb_isa {
 } shb_isa;
 
 typedef struct shb_context_desc {
-    shb_allocator allocator;           /* alloc NULL: the C library's */
+    shb_allocator allocator;           /* alloc and free NULL: the C library's */
     shb_parallel_for_fn *parallel_for; /* NULL: a pool of this library's own threads */
     void *parallel_user;
     uint32_t threads; /* size of the own pool, caller included, 1 .. 256; 0: one per processor.
@@ -51,19 +51,21 @@ typedef struct shb_context_desc {
     shb_isa max_isa; /* a cap; one that this processor lacks falls back to the next lower one */
 } shb_context_desc;
 
-/* desc may be NULL: all defaults. SHB_ERROR_ARITHMETIC if the floating point of this build or thread
- * is not IEEE round-to-nearest without contraction and without flushed subnormals.
- * A context serves one drawing or shading call at a time; asking maps for visibility needs none. */
+/* desc may be NULL: all defaults. SHB_ERROR_ARITHMETIC if the floating point of this build or
+ * thread is not IEEE round-to-nearest without contraction and without flushed subnormals. A context
+ * serves one drawing or shading call at a time; asking maps for visibility needs none. */
 shb_result shb_context_create(const shb_context_desc *desc, shb_context **context);
 
 /* NULL is ignored. Destroy what was created with the context first. */
 void shb_context_destroy(shb_context *context);
 
-/* The instruction set that the context settled on, and its name in tools: "scalar", "avx2", ... */
+/* The instruction set that the context settled on (NULL: SHB_ISA_SCALAR), and its name in tools:
+ * "scalar", "avx2", ...; "unknown" for a value that is none. */
 shb_isa shb_context_isa(const shb_context *context);
 const char *shb_isa_name(shb_isa isa);
 
-/* The threads that work on one call, caller included. */
+/* The threads that work on one call, caller included: fewer than wanted if the system had no more;
+ * 0 for NULL. */
 uint32_t shb_context_threads(const shb_context *context);
 
 #ifdef __cplusplus

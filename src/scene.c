@@ -1,0 +1,237 @@
+#include "strict.h"
+
+#include "scene.h"
+
+#include "matrix.h"
+
+#include <math.h>
+
+static size_t stride_or_packed(size_t stride) {
+    return stride ? stride : 3 * sizeof(float);
+}
+
+static bool is_all_zero(const shb_mat4 *a) {
+    for (int i = 0; i < 16; i++)
+        if (a->m[i] != 0)
+            return false;
+    return true;
+}
+
+shb_mat4 shb_instance_transform(const shb_instance *instance) {
+    return is_all_zero(&instance->world_from_mesh) ? shb_mat4_identity()
+                                                   : instance->world_from_mesh;
+}
+
+bool shb_transform_mirrors(const shb_mat4 *transform) {
+    const double *m = transform->m;
+    const shb_vec3 x = {m[0], m[1], m[2]}, y = {m[4], m[5], m[6]}, z = {m[8], m[9], m[10]};
+    return shb_vec3_dot(x, shb_vec3_cross(y, z)) < 0;
+}
+
+const float *shb_mesh_position(const shb_mesh *mesh, uint32_t vertex) {
+    const size_t stride = stride_or_packed(mesh->position_stride);
+    return (const float *)(const void *)((const char *)mesh->positions + vertex * stride);
+}
+
+const float *shb_mesh_normal(const shb_mesh *mesh, uint32_t vertex) {
+    const size_t stride = stride_or_packed(mesh->normal_stride);
+    return (const float *)(const void *)((const char *)mesh->normals + vertex * stride);
+}
+
+void shb_mesh_triangle(const shb_mesh *mesh, uint32_t triangle, uint32_t vertices[3]) {
+    const size_t first = 3 * (size_t)triangle;
+    for (size_t i = 0; i < 3; i++) {
+        if (!mesh->indices)
+            vertices[i] = (uint32_t)(first + i);
+        else if (mesh->index_size == 2)
+            vertices[i] = ((const uint16_t *)mesh->indices)[first + i];
+        else
+            vertices[i] = ((const uint32_t *)mesh->indices)[first + i];
+    }
+}
+
+static shb_result fail(const char **reason, shb_result result, const char *sentence) {
+    *reason = sentence;
+    return result;
+}
+
+static bool is_aligned(const void *pointer, size_t alignment) {
+    return (uintptr_t)pointer % alignment == 0;
+}
+
+/* True if the last of count vertices would end beyond what a pointer reaches. */
+static bool overflows(size_t stride, uint32_t count) {
+    return stride_or_packed(stride) > (PTRDIFF_MAX - 3 * sizeof(float)) / count;
+}
+
+static shb_result check_indices(const shb_mesh *mesh, const char **reason) {
+    const uint32_t size = mesh->index_size ? mesh->index_size : 4;
+    if (size != 2 && size != 4)
+        return fail(reason, SHB_ERROR_ARGUMENT, "mesh.index_size is neither 2 nor 4");
+    if (!is_aligned(mesh->indices, size))
+        return fail(reason, SHB_ERROR_ARGUMENT, "mesh.indices is not aligned to an index");
+    if (mesh->triangle_count > PTRDIFF_MAX / (3 * (size_t)size))
+        return fail(reason, SHB_ERROR_SIZE, "mesh.triangle_count overflows the address space");
+    if (!mesh->indices && (uint64_t)mesh->triangle_count * 3 > mesh->vertex_count)
+        return fail(reason, SHB_ERROR_ARGUMENT,
+                    "mesh.vertex_count is below 3 * mesh.triangle_count and there are no indices");
+    return SHB_OK;
+}
+
+static shb_result check_mesh(const shb_mesh *mesh, const char **reason) {
+    if (!mesh)
+        return fail(reason, SHB_ERROR_ARGUMENT, "instance.mesh is NULL");
+    if (mesh->triangle_count == 0)
+        return SHB_OK;
+    if (!mesh->positions)
+        return fail(reason, SHB_ERROR_ARGUMENT, "mesh.positions is NULL");
+    if (!is_aligned(mesh->positions, sizeof(float)) || !is_aligned(mesh->normals, sizeof(float)))
+        return fail(reason, SHB_ERROR_ARGUMENT, "mesh.positions or normals is not aligned to 4");
+    if (mesh->position_stride % sizeof(float) || mesh->normal_stride % sizeof(float))
+        return fail(reason, SHB_ERROR_ARGUMENT, "a stride of a mesh is not a multiple of 4");
+    if (mesh->vertex_count == 0)
+        return fail(reason, SHB_ERROR_SIZE, "mesh.vertex_count is 0 but there are triangles");
+    if (overflows(mesh->position_stride, mesh->vertex_count) ||
+        (mesh->normals && overflows(mesh->normal_stride, mesh->vertex_count)))
+        return fail(reason, SHB_ERROR_SIZE, "mesh.vertex_count times a stride overflows");
+    return check_indices(mesh, reason);
+}
+
+static shb_result check_instance(const shb_instance *instance, const char **reason) {
+    const shb_mat4 transform = shb_instance_transform(instance);
+    const double *m = transform.m;
+    if (!shb_mat4_is_finite(&transform))
+        return fail(reason, SHB_ERROR_NUMBER, "instance.world_from_mesh is not finite");
+    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+        return fail(reason, SHB_ERROR_ARGUMENT,
+                    "the last row of instance.world_from_mesh is not 0 0 0 1");
+    if ((unsigned)instance->cull > SHB_CULL_FRONT)
+        return fail(reason, SHB_ERROR_ARGUMENT, "instance.cull is out of range");
+    return check_mesh(instance->mesh, reason);
+}
+
+shb_result shb_scene_check(const shb_scene *scene, const char **reason) {
+    if (!scene)
+        return fail(reason, SHB_ERROR_ARGUMENT, "scene is NULL");
+    if (scene->instance_count && !scene->instances)
+        return fail(reason, SHB_ERROR_ARGUMENT, "scene.instances is NULL");
+    if (scene->instance_count > PTRDIFF_MAX / sizeof(shb_instance))
+        return fail(reason, SHB_ERROR_SIZE, "scene.instance_count overflows the address space");
+    uint64_t triangles = 0;
+    for (size_t i = 0; i < scene->instance_count; i++) {
+        const shb_result result = check_instance(&scene->instances[i], reason);
+        if (result)
+            return result;
+        triangles += scene->instances[i].mesh->triangle_count;
+        if (triangles > SHB_TRIANGLES_MAX)
+            return fail(reason, SHB_ERROR_SIZE, "the scene has more than 0xfffffffe triangles");
+    }
+    return SHB_OK;
+}
+
+/* False if the triangle has an index that is out of range. */
+static bool get_triangle(const shb_mesh *mesh, uint32_t triangle, uint32_t vertices[3]) {
+    shb_mesh_triangle(mesh, triangle, vertices);
+    return vertices[0] < mesh->vertex_count && vertices[1] < mesh->vertex_count &&
+           vertices[2] < mesh->vertex_count;
+}
+
+static bool indices_are_valid(const shb_mesh *mesh) {
+    uint32_t vertices[3];
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        if (!get_triangle(mesh, i, vertices))
+            return false;
+    return true;
+}
+
+shb_result shb_scene_validate(const shb_scene *scene) {
+    const char *reason;
+    const shb_result result = shb_scene_check(scene, &reason);
+    if (result)
+        return result;
+    for (size_t i = 0; i < scene->instance_count; i++)
+        if (!indices_are_valid(scene->instances[i].mesh))
+            return SHB_ERROR_ARGUMENT;
+    return SHB_OK;
+}
+
+uint64_t shb_scene_triangle_count(const shb_scene *scene) {
+    const char *reason;
+    if (shb_scene_check(scene, &reason))
+        return 0;
+    uint64_t count = 0;
+    for (size_t i = 0; i < scene->instance_count; i++)
+        count += scene->instances[i].mesh->triangle_count;
+    return count;
+}
+
+static shb_vec3 world_position(const shb_mesh *mesh, shb_mat4 transform, uint32_t vertex) {
+    const float *p = shb_mesh_position(mesh, vertex);
+    return shb_mat4_transform_point(transform,
+                                    (shb_vec3){(double)p[0], (double)p[1], (double)p[2]});
+}
+
+static void grow(shb_box *box, shb_vec3 p) {
+    box->lo.x = p.x < box->lo.x ? p.x : box->lo.x;
+    box->lo.y = p.y < box->lo.y ? p.y : box->lo.y;
+    box->lo.z = p.z < box->lo.z ? p.z : box->lo.z;
+    box->hi.x = p.x > box->hi.x ? p.x : box->hi.x;
+    box->hi.y = p.y > box->hi.y ? p.y : box->hi.y;
+    box->hi.z = p.z > box->hi.z ? p.z : box->hi.z;
+}
+
+static bool grow_by_instance(shb_box *box, const shb_instance *instance) {
+    const shb_mesh *mesh = instance->mesh;
+    const shb_mat4 transform = shb_instance_transform(instance);
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+        uint32_t vertices[3];
+        if (!get_triangle(mesh, i, vertices))
+            return false;
+        for (int corner = 0; corner < 3; corner++) {
+            const shb_vec3 p = world_position(mesh, transform, vertices[corner]);
+            if (shb_vec3_is_finite(p))
+                grow(box, p);
+        }
+    }
+    return true;
+}
+
+shb_result shb_scene_bounds(const shb_scene *scene, shb_box *bounds) {
+    const char *reason;
+    const shb_result result = shb_scene_check(scene, &reason);
+    if (result)
+        return result;
+    if (!bounds)
+        return SHB_ERROR_ARGUMENT;
+    shb_box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    for (size_t i = 0; i < scene->instance_count; i++)
+        if (!grow_by_instance(&box, &scene->instances[i]))
+            return SHB_ERROR_ARGUMENT;
+    *bounds = box;
+    return SHB_OK;
+}
+
+size_t shb_scene_instance_of(const shb_scene *scene, uint32_t id, uint32_t *first) {
+    size_t instance = 0;
+    *first = 0;
+    while (id - *first >= scene->instances[instance].mesh->triangle_count)
+        *first += scene->instances[instance++].mesh->triangle_count;
+    return instance;
+}
+
+shb_result shb_scene_triangle(const shb_scene *scene, uint32_t id, shb_vec3 corners[3]) {
+    const char *reason;
+    const shb_result result = shb_scene_check(scene, &reason);
+    if (result)
+        return result;
+    if (!corners || id >= shb_scene_triangle_count(scene))
+        return SHB_ERROR_ARGUMENT;
+    uint32_t first, vertices[3];
+    const shb_instance *instance = &scene->instances[shb_scene_instance_of(scene, id, &first)];
+    if (!get_triangle(instance->mesh, id - first, vertices))
+        return SHB_ERROR_ARGUMENT;
+    const shb_mat4 transform = shb_instance_transform(instance);
+    for (int i = 0; i < 3; i++)
+        corners[i] = world_position(instance->mesh, transform, vertices[i]);
+    return SHB_OK;
+}
