@@ -3,8 +3,8 @@
  * Exactness. Vertices are transformed in double. Positions are snapped to 1/256 pixel and coverage is
  * decided in integers at pixel centres with the top-left rule: neighbours that share an edge cover
  * each sample exactly once. Depth at a sample is the plane through the unsnapped triangle, evaluated
- * at the pixel centre, so that it is the depth of the true surface and not of the snapped one; it
- * lies within 2.5 units in the last place (float32) of that plane, and within the depth range of the
+ * at the pixel centre, so that it is the depth of the true surface and not of the snapped one; a
+ * stored float depth z lies within 5 * 2^-24 * |z| of that plane, and within the depth range of the
  * triangle's corners where the triangle is a sliver. Nothing depends on tiles, threads, instruction
  * set or order: at equal depth the lower triangle id wins. */
 #ifndef SHADOWBIAS_RASTER_H
@@ -50,10 +50,11 @@ typedef struct shb_draw_desc {
 /* What became of the triangles. */
 typedef struct shb_draw_stats {
     uint64_t triangles;  /* in the scene */
-    uint64_t not_finite; /* left out: a vertex is NaN or infinite after the transform */
-    uint64_t culled;     /* facing the wrong way, without area, or outside the view */
+    uint64_t not_finite; /* left out: a clip coordinate of a vertex is NaN or beyond +-2^300 */
+    uint64_t culled;     /* facing the wrong way, without area, or no sample of the view lies in the
+                            box around what is left after clipping */
     uint64_t clipped;    /* cut by the near plane or the guard band, then drawn */
-    uint64_t drawn;      /* the rest of those that reached a tile, clipped ones included */
+    uint64_t drawn;      /* all others, clipped ones included */
 } shb_draw_stats;
 
 /* Draws the scene. Samples that nothing covers get the far depth (1, or 0 when reversed) and

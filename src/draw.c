@@ -1,0 +1,115 @@
+#include "strict.h"
+
+#include "context.h"
+#include "format.h"
+#include "matrix.h"
+#include "scene.h"
+#include "tile.h"
+
+#define TILE_SIZE                                                                                  \
+    256 /* 0.25 MB of depths: half of a usual second-level cache with a second layer */
+
+static shb_result check_depth_image(const shb_context *context, const shb_draw_desc *desc,
+                                    const char *field, const shb_depth_image *image) {
+    const size_t size = shb_format_size(image->format);
+    if (!image->texels)
+        return SHB_OK;
+    if (size == 0)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_draw: desc.%s.format %d is unknown",
+                        field, (int)image->format);
+    if ((uintptr_t)image->texels % size)
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "shb_draw: desc.%s.texels is not aligned to its texels of %zu bytes", field,
+                        size);
+    if (image->stride % size || (image->stride && image->stride < desc->width * size))
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "shb_draw: desc.%s.stride %zu is no multiple of %zu or below a row of %zu",
+                        field, image->stride, size, desc->width * size);
+    if (image->stride > SIZE_MAX / desc->height)
+        return shb_fail(context, SHB_ERROR_SIZE,
+                        "shb_draw: desc.%s.stride %zu times %u rows overflows", field,
+                        image->stride, desc->height);
+    return SHB_OK;
+}
+
+/* Ids are checked like an image of 4-byte texels, under their own name. */
+static shb_result check_ids(const shb_context *context, const shb_draw_desc *desc) {
+    const size_t row = desc->width * sizeof(uint32_t);
+    if (!desc->ids)
+        return SHB_OK;
+    if ((uintptr_t)desc->ids % sizeof(uint32_t))
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_draw: desc.ids is not aligned");
+    if (desc->id_stride % sizeof(uint32_t) || (desc->id_stride && desc->id_stride < row))
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "shb_draw: desc.id_stride %zu is no multiple of 4 or below a row of %zu",
+                        desc->id_stride, row);
+    if (desc->id_stride > SIZE_MAX / desc->height)
+        return shb_fail(context, SHB_ERROR_SIZE,
+                        "shb_draw: desc.id_stride %zu times %u rows overflows", desc->id_stride,
+                        desc->height);
+    return SHB_OK;
+}
+
+static shb_result check_size(const shb_context *context, const char *field, uint32_t size) {
+    if (size >= 1 && size <= SHB_SIZE_MAX)
+        return SHB_OK;
+    return shb_fail(context, SHB_ERROR_SIZE, "shb_draw: desc.%s %u is not 1 .. %d", field, size,
+                    SHB_SIZE_MAX);
+}
+
+static shb_result check_tile_size(const shb_context *context, uint32_t size) {
+    if (size == 0 || (size >= 16 && size <= 512 && (size & (size - 1)) == 0))
+        return SHB_OK;
+    return shb_fail(context, SHB_ERROR_ARGUMENT,
+                    "shb_draw: desc.tile_size %u is not 0 or a power of two from 16 to 512", size);
+}
+
+static shb_result check_scene(const shb_context *context, const shb_scene *scene) {
+    const char *reason = NULL;
+    const shb_result result = shb_scene_check(scene, &reason);
+    return result ? shb_fail(context, result, "shb_draw: desc.scene: %s", reason) : SHB_OK;
+}
+
+static shb_result check_desc(const shb_context *context, const shb_draw_desc *desc) {
+    if (!desc || !desc->view || !desc->scene)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_draw: %s is NULL",
+                        !desc         ? "desc"
+                        : !desc->view ? "desc.view"
+                                      : "desc.scene");
+    shb_result result = check_size(context, "width", desc->width);
+    if (!result)
+        result = check_size(context, "height", desc->height);
+    if (!result)
+        result = check_depth_image(context, desc, "depth", &desc->depth);
+    if (!result)
+        result = check_depth_image(context, desc, "second", &desc->second);
+    if (!result)
+        result = check_ids(context, desc);
+    if (!result)
+        result = check_tile_size(context, desc->tile_size);
+    if (!result && !shb_mat4_is_finite(&desc->view->clip_from_world))
+        result = shb_fail(context, SHB_ERROR_NUMBER, "shb_draw: desc.view is not finite");
+    return result ? result : check_scene(context, desc->scene);
+}
+
+shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_stats *stats) {
+    if (!context)
+        return SHB_ERROR_ARGUMENT;
+    const shb_result result = check_desc(context, desc);
+    if (result)
+        return result;
+    const shb_target target = shb_target_of(desc->width, desc->height, desc->view->reversed);
+    const uint32_t tile_size = desc->tile_size ? desc->tile_size : TILE_SIZE;
+    shb_geometry geometry = {0};
+    shb_bins bins;
+    shb_draw_stats counted;
+    if (!shb_geometry_prepare(context, desc, &geometry) ||
+        !shb_bin_triangles(context, &geometry, &target, tile_size, &bins, &counted) ||
+        !shb_tiles_draw(context, desc, &geometry, &target, &bins))
+        return shb_fail(
+            context, SHB_ERROR_MEMORY, "shb_draw: no memory for %llu triangles and %llu vertices",
+            (unsigned long long)geometry.triangle_count, (unsigned long long)geometry.vertex_count);
+    if (stats)
+        *stats = counted;
+    return SHB_OK;
+}

@@ -1,0 +1,16 @@
+/* What the buffers of a context's draw_scratch hold. */
+#ifndef SRC_SCRATCH_H
+#define SRC_SCRATCH_H
+
+enum {
+    SHB_SCRATCH_INSTANCES, /* instances that have triangles */
+    SHB_SCRATCH_POSITIONS, /* vertices in clip space */
+    SHB_SCRATCH_RANGES,    /* tiles that each triangle reaches */
+    SHB_SCRATCH_STATS,     /* statistics of each block of triangles */
+    SHB_SCRATCH_ENDS,      /* end of each tile's list */
+    SHB_SCRATCH_IDS,       /* the lists of all tiles */
+    SHB_SCRATCH_LANES,     /* description of the tile that each lane draws */
+    SHB_SCRATCH_LAYERS     /* texels of these tiles */
+};
+
+#endif

@@ -1,0 +1,120 @@
+#include "strict.h"
+
+#include "transform.h"
+
+#include "scene.h"
+#include "scratch.h"
+
+#define VERTICES_PER_TASK 4096
+
+/* A front face is counter-clockwise with y up, so its area is negative with y down. */
+static void choose_faces(const shb_instance *instance, bool flip, bool mirrors,
+                         shb_draw_instance *drawn) {
+    const bool drops_back = instance->cull == (flip ? SHB_CULL_FRONT : SHB_CULL_BACK);
+    const bool drops_front = instance->cull == (flip ? SHB_CULL_BACK : SHB_CULL_FRONT);
+    drawn->keep_negative = mirrors ? !drops_back : !drops_front;
+    drawn->keep_positive = mirrors ? !drops_front : !drops_back;
+}
+
+static shb_mat4 canonical_clip_from_mesh(const shb_view *view, const shb_mat4 *world_from_mesh) {
+    shb_mat4 product = shb_mat4_multiply(view->clip_from_world, *world_from_mesh);
+    if (view->reversed)
+        for (int column = 0; column < 4; column++)
+            product.m[4 * column + 2] = -product.m[4 * column + 2];
+    return product;
+}
+
+static void collect_instances(const shb_draw_desc *desc, shb_draw_instance *instances,
+                              shb_geometry *geometry) {
+    *geometry = (shb_geometry){.instances = instances};
+    for (size_t i = 0; i < desc->scene->instance_count; i++) {
+        const shb_instance *instance = &desc->scene->instances[i];
+        if (instance->mesh->triangle_count == 0)
+            continue;
+        const shb_mat4 world_from_mesh = shb_instance_transform(instance);
+        shb_draw_instance *drawn = &instances[geometry->instance_count++];
+        drawn->mesh = instance->mesh;
+        drawn->clip_from_mesh = canonical_clip_from_mesh(desc->view, &world_from_mesh);
+        drawn->first_vertex = geometry->vertex_count;
+        drawn->first_triangle = geometry->triangle_count;
+        choose_faces(instance, desc->flip_culling, shb_transform_mirrors(&world_from_mesh), drawn);
+        geometry->vertex_count += instance->mesh->vertex_count;
+        geometry->triangle_count += instance->mesh->triangle_count;
+    }
+}
+
+static void transform_vertex(const double m[16], const float *p, double v[4]) {
+    const double x = (double)p[0], y = (double)p[1], z = (double)p[2];
+    for (int row = 0; row < 4; row++)
+        v[row] = ((m[row] * x + m[4 + row] * y) + m[8 + row] * z) + m[12 + row];
+}
+
+typedef struct transform_job {
+    const shb_geometry *geometry;
+    shb_clip_position *positions;
+} transform_job;
+
+/* The instance of a vertex: the last one that starts at or before it (instances without vertices
+ * have no triangles and are not in the list). */
+static const shb_draw_instance *instance_of_vertex(const shb_geometry *geometry, uint64_t vertex) {
+    size_t lo = 0, hi = geometry->instance_count;
+    while (hi - lo > 1) {
+        const size_t middle = lo + (hi - lo) / 2;
+        if (geometry->instances[middle].first_vertex <= vertex)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return &geometry->instances[lo];
+}
+
+static void transform_block(void *arg, size_t index) {
+    const transform_job *job = arg;
+    const uint64_t first = (uint64_t)index * VERTICES_PER_TASK;
+    const uint64_t left = job->geometry->vertex_count - first;
+    const uint64_t end = first + (left < VERTICES_PER_TASK ? left : VERTICES_PER_TASK);
+    const shb_draw_instance *instance = instance_of_vertex(job->geometry, first);
+    for (uint64_t i = first; i < end; i++) {
+        while (i - instance->first_vertex >= instance->mesh->vertex_count)
+            instance++;
+        const uint32_t vertex = (uint32_t)(i - instance->first_vertex);
+        transform_vertex(instance->clip_from_mesh.m, shb_mesh_position(instance->mesh, vertex),
+                         job->positions[i].v);
+    }
+}
+
+bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_geometry *geometry) {
+    shb_buffer *scratch = context->draw_scratch;
+    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_INSTANCES], desc->scene->instance_count,
+                            sizeof(shb_draw_instance)))
+        return false;
+    collect_instances(desc, scratch[SHB_SCRATCH_INSTANCES].data, geometry);
+    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_POSITIONS], geometry->vertex_count,
+                            sizeof(shb_clip_position)))
+        return false;
+    transform_job job = {geometry, scratch[SHB_SCRATCH_POSITIONS].data};
+    const uint64_t blocks = (geometry->vertex_count + VERTICES_PER_TASK - 1) / VERTICES_PER_TASK;
+    shb_parallel_for(context, transform_block, &job, blocks);
+    geometry->positions = job.positions;
+    return true;
+}
+
+const shb_draw_instance *shb_geometry_instance(const shb_geometry *geometry, uint64_t id) {
+    size_t lo = 0, hi = geometry->instance_count;
+    while (hi - lo > 1) {
+        const size_t middle = lo + (hi - lo) / 2;
+        if (geometry->instances[middle].first_triangle <= id)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return &geometry->instances[lo];
+}
+
+void shb_geometry_corners(const shb_geometry *geometry, const shb_draw_instance *instance,
+                          uint64_t id, shb_clip_position corners[3]) {
+    uint32_t vertices[3];
+    shb_mesh_triangle(instance->mesh, (uint32_t)(id - instance->first_triangle), vertices);
+    for (int i = 0; i < 3; i++)
+        corners[i] = geometry->positions[instance->first_vertex + vertices[i]];
+}

@@ -1,0 +1,53 @@
+/* Vertices to clip space, once each.
+ *
+ * The matrix clip_from_world * world_from_mesh is multiplied in double, once per instance. Row r of
+ * a vertex is ((m[r] * x + m[4 + r] * y) + m[8 + r] * z) + m[12 + r] in double, in this order.
+ *
+ * From here on depth is canonical: smaller is nearer. For a reversed view the matrix's row z is
+ * negated, which mirrors every later rounding exactly. Far is then 0 instead of 1. */
+#ifndef SRC_TRANSFORM_H
+#define SRC_TRANSFORM_H
+
+#include "context.h"
+#include "shadowbias/raster.h"
+
+/* x, y, canonical z, w. */
+typedef struct shb_clip_position {
+    double v[4];
+} shb_clip_position;
+
+/* An instance that has triangles. Its vertices and triangles are runs of the drawing's ones. */
+typedef struct shb_draw_instance {
+    const shb_mesh *mesh;
+    shb_mat4 clip_from_mesh;
+    uint64_t first_vertex;
+    uint64_t first_triangle; /* its id */
+    bool keep_positive;      /* draw triangles whose window area, y down, is positive */
+    bool keep_negative;
+} shb_draw_instance;
+
+/* A scene as one drawing sees it. */
+typedef struct shb_geometry {
+    const shb_draw_instance *instances;
+    size_t instance_count;
+    uint64_t vertex_count;
+    uint64_t triangle_count;
+    const shb_clip_position *positions;
+} shb_geometry;
+
+/* Transforms all vertices of a checked scene into the context's scratch; false: out of memory. */
+bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_geometry *geometry);
+
+/* The instance of a triangle; the id must be below the triangle count. */
+const shb_draw_instance *shb_geometry_instance(const shb_geometry *geometry, uint64_t id);
+
+/* True if the triangle belongs to this instance. */
+static inline bool shb_instance_has(const shb_draw_instance *instance, uint64_t id) {
+    return id - instance->first_triangle < instance->mesh->triangle_count;
+}
+
+/* The corners of a triangle of the instance, in mesh order. */
+void shb_geometry_corners(const shb_geometry *geometry, const shb_draw_instance *instance,
+                          uint64_t id, shb_clip_position corners[3]);
+
+#endif
