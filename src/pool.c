@@ -3,9 +3,14 @@
  * The caller opens a gate, works on the job itself, closes the gate and waits for the workers that
  * went through it. A worker that wakes too late finds the gate closed and is not waited for, so a
  * call costs no more than its work where the system is busy elsewhere. */
+#ifndef _POSIX_C_SOURCE
+#define _POSIX_C_SOURCE 200809L /* sigset_t in a host's -std=c11 build */
+#endif
+
 #include "context.h"
 
 #include <pthread.h>
+#include <signal.h>
 #include <stdatomic.h>
 
 /* The gate holds the number of the job in its upper half, then flags and the workers inside. */
@@ -143,6 +148,17 @@ void shb_pool_run(shb_pool *pool, shb_task_fn *task, void *arg, size_t count) {
     wait_until_empty(pool);
 }
 
+/* The host's signals are not for these threads. */
+static void start_workers(shb_pool *pool, uint32_t wanted) {
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (pool->workers < wanted &&
+           pthread_create(&pool->threads[pool->workers], NULL, work, pool) == 0)
+        pool->workers++;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
 shb_pool *shb_pool_create(const shb_context *context, uint32_t threads) {
     const size_t size = sizeof(shb_pool) + threads * sizeof(pthread_t);
     shb_pool *pool = shb_alloc(context, 1, size);
@@ -155,9 +171,7 @@ shb_pool *shb_pool_create(const shb_context *context, uint32_t threads) {
     pthread_cond_init(&pool->opened, NULL);
     pthread_cond_init(&pool->emptied, NULL);
     pool->workers = 0;
-    while (pool->workers + 1 < threads &&
-           pthread_create(&pool->threads[pool->workers], NULL, work, pool) == 0)
-        pool->workers++;
+    start_workers(pool, threads - 1);
     return pool;
 }
 
