@@ -16,9 +16,9 @@
  * Outcomes where the papers are silent:
  *   fragment outside the map, behind the light, or not finite   lit (visibility 1)
  *   fragment beyond the far plane    tested as if it lay on the far plane: empty texels light it
- *   no normal (zero or not finite)   the light's direction takes its place: the receiver is taken to
- *                                    face the light, slopes are 0
- *   plane parallel to the light ray  slopes are cut off at 1 map depth per texel; 0 if undefined */
+ *   no normal (zero or not finite)   the light's direction takes its place: the receiver is taken
+ * to face the light, slopes are 0 plane parallel to the light ray  slopes are cut off at 1 map
+ * depth per texel; 0 if undefined */
 #ifndef SHADOWBIAS_BIAS_H
 #define SHADOWBIAS_BIAS_H
 
@@ -40,12 +40,15 @@ typedef struct shb_map_info {
     size_t memory_bytes; /* texels and padding */
 } shb_map_info;
 
-/* Texel coordinate of a fragment that has none: behind the light, or not finite. */
+/* Texel coordinate of a fragment that has none: behind the light, or not finite. Others end at
+ * -2^20 and 2^20, as depths do. */
 #define SHB_TEXEL_NONE (-(1 << 30))
 
-/* A batch of fragments as one light sees them: structure of arrays, one element a fragment. Elements
- * count .. SHB_BATCH - 1 hold copies of a valid fragment, so that a loop may run over the count
- * rounded up to 16. A stage reads what the method's needs name and what earlier stages wrote. */
+/* A batch of fragments as one light sees them: structure of arrays, one element a fragment. From
+ * the count to the next multiple of 16 there are copies of the last fragment, so that loops may run
+ * over whole vectors. A stage reads what the method's needs name and what earlier stages wrote. A
+ * fragment behind the light or not finite has SHB_TEXEL_NONE; its depth, scales and slopes are
+ * finite and mean nothing. */
 typedef struct shb_receivers {
     /* the fragment; the offset stage may move it */
     SHB_ALIGN float x[SHB_BATCH]; /* world position */
@@ -57,12 +60,15 @@ typedef struct shb_receivers {
     float normal_z[SHB_BATCH];
     float cosine[SHB_BATCH]; /* of the angle between normal and light direction, 0 .. 1 */
     /* SHB_NEEDS_SCALE */
-    float texel_size[SHB_BATCH];      /* width of a texel at the fragment, world units */
-    float depth_per_world[SHB_BATCH]; /* change of map depth per world unit away from the light, > 0 */
+    float texel_size[SHB_BATCH]; /* width of a texel at the fragment, world units: the larger of
+                                    width and height, across the light's axis */
+    float depth_per_world[SHB_BATCH]; /* change of map depth per world unit away from the light,
+                                         along its axis, > 0 */
     /* the projection of the (moved) point; written before the depth stage */
     int32_t texel_x[SHB_BATCH]; /* the texel that holds the point; may lie outside the map */
     int32_t texel_y[SHB_BATCH];
-    float to_center_x[SHB_BATCH]; /* from the point to the centre of that texel, -0.5 .. 0.5 texels */
+    float
+        to_center_x[SHB_BATCH]; /* from the point to the centre of that texel, -0.5 .. 0.5 texels */
     float to_center_y[SHB_BATCH];
     float depth[SHB_BATCH]; /* canonical map depth of the point */
     /* SHB_NEEDS_SLOPE: canonical depth per texel of the plane through the unmoved point */
@@ -116,12 +122,13 @@ typedef enum shb_unit {
 /* "none": ref = depth. */
 shb_bias shb_bias_none(void);
 
-/* "constant": ref = depth - amount (Williams 1978). Default of tools: 0.002, SHB_UNIT_DEPTH. */
+/* "constant": ref = depth - amount (Williams 1978). Any other unit is depth. Default of tools:
+ * 0.002, SHB_UNIT_DEPTH. */
 shb_bias shb_bias_constant(float amount, shb_unit unit);
 
-/* "slope": ref = depth - min(factor * max(|slope_x|, |slope_y|) + units * 2^-24, clamp): the polygon
- * offset of OpenGL and Direct3D, on the receiver's side (King 2004). clamp in map depth; 0: none.
- * Default: factor 1.1, units 4, no clamp. */
+/* "slope": ref = depth - min(factor * max(|slope_x|, |slope_y|) + units * 2^-24, clamp): the
+ * polygon offset of OpenGL and Direct3D, on the receiver's side (King 2004). clamp in map depth; 0:
+ * none. Default: factor 1.1, units 4, no clamp. */
 shb_bias shb_bias_slope(float factor, float units, float clamp);
 
 /* "angle": the world distance base / cosine, at most limit, towards the light (Gautron, Marvie and
@@ -132,8 +139,8 @@ shb_bias shb_bias_angle(float base, float limit);
  * normal and light (Holbert 2011); then depth is taken off in map depth. Default: 1.5, 1e-5. */
 shb_bias shb_bias_normal_offset(float texels, float depth);
 
-/* "receiver-plane": ref = plane at the texel's centre - epsilon, steps = slopes (Isidoro 2006), from
- * the exact plane instead of screen derivatives. Default epsilon: 1e-5 map depth. */
+/* "receiver-plane": ref = plane at the texel's centre - epsilon, steps = slopes (Isidoro 2006),
+ * from the exact plane instead of screen derivatives. Default epsilon: 1e-5 map depth. */
 shb_bias shb_bias_receiver_plane(float epsilon);
 
 /* "texel-cone": the point moves radius * (1.16 * sin(theta) + 0.195) along its normal, radius being
@@ -165,15 +172,18 @@ shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
 typedef struct shb_bias_method {
     const char *name;
     const char *summary;
-    shb_bias (*make)(void);                  /* with default parameters */
-    const char *param_names[SHB_PARAMS_MAX]; /* in the order of shb_bias.params; NULL: no such one */
+    shb_bias (*make)(void); /* with default parameters */
+    const char
+        *param_names[SHB_PARAMS_MAX]; /* in the order of shb_bias.params; NULL: no such one */
 } shb_bias_method;
 
-/* All built-in methods in the order above; never fails. */
+/* All built-in methods in the order above; never fails. count may be NULL. */
 const shb_bias_method *shb_bias_methods(size_t *count);
 
-/* A method by its text form "name" or "name:param=value,param=value", numbers as in C, decimal point
- * '.'. SHB_ERROR_ARGUMENT for an unknown name, parameter, or a number that is not finite. */
+/* A method by its text form "name" or "name:param=value,param=value": decimal numbers with the
+ * point
+ * '.' in every locale; of a repeated parameter the last counts. SHB_ERROR_ARGUMENT for an unknown
+ * name or parameter, a unit that is not 0, 1 or 2, or a number that is not finite. */
 shb_result shb_bias_parse(const char *text, shb_bias *bias);
 
 #ifdef __cplusplus

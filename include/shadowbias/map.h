@@ -9,33 +9,42 @@ extern "C" {
 #endif
 
 typedef struct shb_map_desc {
-    shb_view view;       /* the light */
-    uint32_t width;      /* texels, 1 .. SHB_SIZE_MAX */
-    uint32_t height;     /* 0: the width */
+    shb_view view;   /* the light */
+    uint32_t width;  /* texels, 1 .. SHB_SIZE_MAX */
+    uint32_t height; /* 0: the width */
     shb_format format;
-    double scene_scale;  /* world units; 0: the diagonal of the box of what is drawn, or of the light's
-                            frustum for a map that is wrapped (its near half when far is infinite) */
+    double scene_scale; /* world units; 0: the diagonal of the box of what is drawn (a pass over its
+                           vertices at each draw), or of the box of the light's frustum for a map
+                           that is wrapped (up to depth 0.5 when far is infinite) */
 } shb_map_desc;
 
-/* An empty map: every fragment is lit. SHB_ERROR_NUMBER if the view cannot be inverted. */
+/* An empty map: every fragment is lit, by any method. Both ways to make a map fail with
+ * SHB_ERROR_NUMBER if the view cannot be inverted or view.reversed contradicts its matrix (depth
+ * must grow, or fall when reversed, away from the light), or scene_scale is negative or not finite.
+ */
 shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_map **map);
 
 /* A map around depths that the host made (rasterized, or read back from a GPU) with the same view,
  * size and format. texels is borrowed and read at every question; stride in bytes, 0: no gaps.
- * holds names the method whose combine stage or culling the host applied; NULL: the nearest depth. */
+ * holds names the method whose combine stage or culling the host applied; NULL: the nearest depth.
+ * SHB_ERROR_ARGUMENT if texels or stride is not aligned to the texel's size, SHB_ERROR_SIZE if the
+ * stride is shorter than a row. */
 shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const void *texels,
                         size_t stride, const shb_bias *holds, shb_map **map);
 
 /* Draws the scene into a map that shb_map_create made, in place of what it held. bias decides what
- * the map keeps (its combine stage, SHB_NEEDS_FLIPPED); NULL or any method without these: the nearest
- * depth, which serves all such methods alike. stats may be NULL. Errors as shb_draw; the map keeps
- * what it held then. One call at a time for a context, and none while others ask the map. */
+ * the map keeps (its combine stage, SHB_NEEDS_FLIPPED); NULL or any method without these: the
+ * nearest depth, which serves all such methods alike. What a combine stage writes is rounded to the
+ * format as drawn depths are; NaN becomes the far depth. stats may be NULL. Errors as shb_draw, and
+ * SHB_ERROR_UNSUPPORTED for a wrapped map; the map keeps what it held then. One call at a time for
+ * a context, and none while others ask the map. */
 shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                         shb_draw_stats *stats);
 
 /* NULL is ignored. */
 void shb_map_destroy(shb_map *map);
 
+/* Valid until the map is destroyed; NULL for NULL. */
 const shb_map_info *shb_map_get_info(const shb_map *map);
 
 /* The stored depths, top row first; valid until the map is drawn again or destroyed. */

@@ -1,0 +1,106 @@
+/* Drawing a map: the nearest layer straight into it, or two layers combined row by row. */
+#include "strict.h"
+
+#include "map.h"
+
+#include "scene.h"
+
+#include <math.h>
+
+/* Where the two layers are drawn before they are combined: one row after the other, no gaps. */
+typedef struct layers {
+    float *nearest;
+    float *second;
+} layers;
+
+static bool reserve_layers(const shb_map *map, layers *out) {
+    shb_context *context = map->context;
+    const size_t row_bytes = map->info.width * sizeof(float);
+    if (!shb_buffer_reserve(context, &context->map_scratch[0], map->info.height, row_bytes) ||
+        !shb_buffer_reserve(context, &context->map_scratch[1], map->info.height, row_bytes))
+        return false;
+    *out = (layers){context->map_scratch[0].data, context->map_scratch[1].data};
+    return true;
+}
+
+static void negate(size_t count, float *depths) {
+    for (size_t i = 0; i < count; i++)
+        depths[i] = -depths[i];
+}
+
+/* Methods see canonical depth; the map stores the view's own. */
+static void combine_rows(shb_map *map, const shb_bias *bias, const layers *drawn) {
+    const size_t width = map->info.width;
+    const bool reversed = map->info.view.reversed;
+    for (uint32_t row = 0; row < map->info.height; row++) {
+        float *nearest = drawn->nearest + row * width;
+        float *second = drawn->second + row * width;
+        if (reversed) {
+            negate(width, nearest);
+            negate(width, second);
+        }
+        bias->combine(bias, width, nearest, second, nearest);
+        if (reversed)
+            negate(width, nearest);
+        shb_map_store_row(map, row, nearest);
+    }
+}
+
+static shb_result check_draw(const shb_map *map, const shb_scene *scene) {
+    if (!map->owned)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "shb_map_draw: map wraps an array of the host");
+    if (!scene)
+        return shb_fail(map->context, SHB_ERROR_ARGUMENT, "shb_map_draw: scene is NULL");
+    const char *reason;
+    const shb_result result = shb_scene_check(scene, &reason);
+    if (result != SHB_OK)
+        return shb_fail(map->context, result, "shb_map_draw: %s", reason);
+    return SHB_OK;
+}
+
+static shb_result measure(const shb_scene *scene, double *scale) {
+    shb_box box;
+    const shb_result result = shb_scene_bounds(scene, &box);
+    const bool is_empty = result == SHB_OK && !(box.lo.x <= box.hi.x);
+    if (result == SHB_OK)
+        *scale = is_empty ? 0 : shb_vec3_length(shb_vec3_subtract(box.hi, box.lo));
+    return result;
+}
+
+shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
+                        shb_draw_stats *stats) {
+    if (!map)
+        return SHB_ERROR_ARGUMENT;
+    shb_result result = check_draw(map, scene);
+    if (result != SHB_OK)
+        return result;
+    double scene_scale = map->info.scene_scale;
+    if (map->measures && measure(scene, &scene_scale) != SHB_OK)
+        return shb_fail(map->context, SHB_ERROR_NUMBER, "shb_map_draw: scene has no finite bounds");
+
+    shb_draw_desc desc = {.view = &map->info.view,
+                          .scene = scene,
+                          .width = map->info.width,
+                          .height = map->info.height,
+                          .depth = map->depth,
+                          .flip_culling = bias && (bias->needs & SHB_NEEDS_FLIPPED)};
+    const bool combines = bias && bias->combine;
+    layers drawn;
+    if (combines) {
+        if (!reserve_layers(map, &drawn))
+            return shb_fail(map->context, SHB_ERROR_MEMORY,
+                            "shb_map_draw: no memory for two layers of %u by %u texels",
+                            (unsigned)map->info.width, (unsigned)map->info.height);
+        desc.depth = (shb_depth_image){.texels = drawn.nearest};
+        desc.second = (shb_depth_image){.texels = drawn.second};
+    }
+    result = shb_draw(map->context, &desc, stats);
+    if (result != SHB_OK)
+        return result;
+    if (combines)
+        combine_rows(map, bias, &drawn);
+    map->info.scene_scale = scene_scale;
+    shb_map_set_method(map, bias);
+    return SHB_OK;
+}

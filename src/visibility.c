@@ -1,0 +1,143 @@
+#include "visibility.h"
+
+#include "project.h"
+
+#include <string.h>
+
+static bool needs_normals(const shb_bias *bias) {
+    return (bias->needs & (SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE)) != 0;
+}
+
+static const char *name_of(const shb_bias *bias) {
+    return bias->name ? bias->name : "unnamed";
+}
+
+/* True if the map's depths are those that the method works on. */
+static bool map_serves(const shb_map *map, const shb_bias *bias) {
+    if (map->empty)
+        return true;
+    const bool flipped = (bias->needs & SHB_NEEDS_FLIPPED) != 0;
+    if (map->combine != bias->combine || map->flipped != flipped)
+        return false;
+    return !bias->combine || (map->combine_user == bias->user &&
+                              memcmp(map->combine_params, bias->params, sizeof bias->params) == 0);
+}
+
+shb_result shb_visibility_check(const shb_map *map, const char *caller, const shb_bias *bias,
+                                const shb_filter *filter, bool has_normals) {
+    const shb_context *context = map->context;
+    const uint32_t known = SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE | SHB_NEEDS_FLIPPED;
+    if (!bias)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: bias is NULL", caller);
+    if (bias->needs & ~known)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: bias.needs 0x%x has unknown bits", caller,
+                        (unsigned)bias->needs);
+    if (filter && !filter->filter)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: filter.filter is NULL", caller);
+    if (needs_normals(bias) && !has_normals)
+        return shb_fail(context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" needs normals and points.normals is NULL", caller,
+                        name_of(bias));
+    if (!map_serves(map, bias))
+        return shb_fail(context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" needs a map that was drawn for it with the same "
+                        "parameters",
+                        caller, name_of(bias));
+    return SHB_OK;
+}
+
+/* A method without a depth stage tests the fragment's own depth. */
+static void test_own_depth(size_t count, shb_receivers *restrict receivers) {
+    const size_t lanes = shb_round_to_lanes(count);
+    for (size_t i = 0; i < lanes; i++) {
+        receivers->ref[i] = receivers->depth[i];
+        receivers->step_x[i] = 0;
+        receivers->step_y[i] = 0;
+    }
+}
+
+void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
+                          size_t count, shb_receivers *receivers, float *visibility) {
+    const shb_projection *projection = &map->projection;
+    const shb_bias_args bias_args = {count, bias, &map->info, receivers};
+    const shb_filter_args filter_args = {count, filter, map, &map->info, receivers, visibility};
+    shb_ndc ndc;
+
+    shb_project_points(projection, count, receivers, &ndc);
+    if (bias->needs & SHB_NEEDS_SCALE)
+        shb_project_scales(projection, count, &ndc, receivers);
+    if (bias->needs & SHB_NEEDS_SLOPE)
+        shb_project_slopes(projection, count, &ndc, receivers);
+    if (needs_normals(bias))
+        shb_project_normals(projection, count, receivers);
+    if (bias->offset) {
+        bias->offset(&bias_args);
+        shb_project_points(projection, count, receivers, &ndc);
+    }
+    shb_project_texels(projection, count, &ndc, receivers);
+    if (bias->depth)
+        bias->depth(&bias_args);
+    else
+        test_own_depth(count, receivers);
+    filter->filter(&filter_args);
+}
+
+/* Copies triples of a strided array from element first on; the last one fills up the lanes. */
+static void load(const float *base, size_t stride, size_t first, size_t count, float *x, float *y,
+                 float *z) {
+    const char *bytes = (const char *)base + first * stride;
+    const size_t lanes = shb_round_to_lanes(count);
+    for (size_t i = 0; i < lanes; i++) {
+        const float *triple = (const float *)(bytes + (i < count ? i : count - 1) * stride);
+        x[i] = triple[0];
+        y[i] = triple[1];
+        z[i] = triple[2];
+    }
+}
+
+static shb_result check_points(const shb_map *map, const shb_points *points,
+                               const float *visibility) {
+    const shb_context *context = map->context;
+    if (!points || !visibility)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_map_visibility: %s is NULL",
+                        points ? "visibility" : "points");
+    if (points->count && !points->positions)
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "shb_map_visibility: points.positions is NULL and points.count is %zu",
+                        points->count);
+    if (points->position_stride % 4 || points->normal_stride % 4)
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "shb_map_visibility: points.position_stride %zu or points.normal_stride "
+                        "%zu is not a multiple of 4",
+                        points->position_stride, points->normal_stride);
+    return SHB_OK;
+}
+
+shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,
+                              const shb_filter *filter, float *visibility) {
+    if (!map)
+        return SHB_ERROR_ARGUMENT;
+    shb_result result = check_points(map, points, visibility);
+    if (result == SHB_OK)
+        result = shb_visibility_check(map, "shb_map_visibility", bias, filter,
+                                      points->normals || points->count == 0);
+    if (result != SHB_OK)
+        return result;
+
+    const shb_filter hard = shb_filter_hard();
+    const size_t position_stride = points->position_stride ? points->position_stride : 12;
+    const size_t normal_stride = points->normal_stride ? points->normal_stride : 12;
+    shb_receivers batch;
+    SHB_ALIGN float batch_visibility[SHB_BATCH];
+    for (size_t first = 0; first < points->count; first += SHB_BATCH) {
+        const size_t left = points->count - first;
+        const size_t count = left < SHB_BATCH ? left : SHB_BATCH;
+        load(points->positions, position_stride, first, count, batch.x, batch.y, batch.z);
+        if (needs_normals(bias))
+            load(points->normals, normal_stride, first, count, batch.normal_x, batch.normal_y,
+                 batch.normal_z);
+        shb_visibility_batch(map, bias, filter ? filter : &hard, count, &batch, batch_visibility);
+        memcpy(visibility + first, batch_visibility, count * sizeof *visibility);
+    }
+    return SHB_OK;
+}

@@ -1,0 +1,17 @@
+/* The path from a batch of fragments to visibility, shared by everything that asks a map. */
+#ifndef SRC_VISIBILITY_H
+#define SRC_VISIBILITY_H
+
+#include "map.h"
+
+/* Checks that the map can answer the method and the filter; has_normals: the fragments come with
+ * normals. Failures are logged in the name of caller. */
+shb_result shb_visibility_check(const shb_map *map, const char *caller, const shb_bias *bias,
+                                const shb_filter *filter, bool has_normals);
+
+/* One batch that passed the check. receivers holds positions and, if the method needs them, normals
+ * of either side, up to the count rounded up to whole vectors; the rest of it is written here. */
+void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
+                          size_t count, shb_receivers *receivers, float *visibility);
+
+#endif
