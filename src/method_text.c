@@ -70,6 +70,9 @@ static double scaled(double digits, int exponent) {
     return digits == 0 ? 0 : exponent < 0 ? digits / power : digits * power;
 }
 
+/* Numbers from here on round to infinity. */
+#define FLOAT_LIMIT 0x1.ffffffp127
+
 /* The C library's conversion follows the locale of the host; this one does not. */
 static const char *read_float(const char *text, float *out) {
     const bool negative = *text == '-';
@@ -82,7 +85,7 @@ static const char *read_float(const char *text, float *out) {
     if (!text)
         return NULL;
     const double value = scaled(number.digits, number.exponent + exponent);
-    if (!(value <= (double)FLT_MAX))
+    if (!(value < FLOAT_LIMIT))
         return NULL;
     *out = (float)(negative ? -value : value);
     return text;

@@ -14,11 +14,11 @@
  *   combine  when the map is drawn: what the map keeps of its two nearest layers; NULL: the nearest
  *
  * Outcomes where the papers are silent:
- *   fragment outside the map, behind the light, or not finite   lit (visibility 1)
- *   fragment beyond the far plane    tested as if it lay on the far plane: empty texels light it
- *   no normal (zero or not finite)   the light's direction takes its place: the receiver is taken
- * to face the light, slopes are 0 plane parallel to the light ray  slopes are cut off at 1 map
- * depth per texel; 0 if undefined */
+ * - fragment outside the map, behind the light, or not finite: lit (visibility 1)
+ * - fragment beyond the far plane: tested as if it lay on the far plane; empty texels light it
+ * - no normal (zero or not finite): the light's direction takes its place; the receiver is taken to
+ *   face the light and its slopes are 0
+ * - plane parallel to the light ray: slopes are cut off at 1 map depth per texel; 0 if undefined */
 #ifndef SHADOWBIAS_BIAS_H
 #define SHADOWBIAS_BIAS_H
 
@@ -60,15 +60,13 @@ typedef struct shb_receivers {
     float normal_z[SHB_BATCH];
     float cosine[SHB_BATCH]; /* of the angle between normal and light direction, 0 .. 1 */
     /* SHB_NEEDS_SCALE */
-    float texel_size[SHB_BATCH]; /* width of a texel at the fragment, world units: the larger of
-                                    width and height, across the light's axis */
-    float depth_per_world[SHB_BATCH]; /* change of map depth per world unit away from the light,
-                                         along its axis, > 0 */
+    float texel_size[SHB_BATCH];      /* larger side of a texel at the fragment, world units */
+    float depth_per_world[SHB_BATCH]; /* change of map depth per world unit along the light's axis,
+                                         away from the light, > 0 */
     /* the projection of the (moved) point; written before the depth stage */
     int32_t texel_x[SHB_BATCH]; /* the texel that holds the point; may lie outside the map */
     int32_t texel_y[SHB_BATCH];
-    float
-        to_center_x[SHB_BATCH]; /* from the point to the centre of that texel, -0.5 .. 0.5 texels */
+    float to_center_x[SHB_BATCH]; /* from the point to that texel's centre, -0.5 .. 0.5 texels */
     float to_center_y[SHB_BATCH];
     float depth[SHB_BATCH]; /* canonical map depth of the point */
     /* SHB_NEEDS_SLOPE: canonical depth per texel of the plane through the unmoved point */
@@ -172,18 +170,16 @@ shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
 typedef struct shb_bias_method {
     const char *name;
     const char *summary;
-    shb_bias (*make)(void); /* with default parameters */
-    const char
-        *param_names[SHB_PARAMS_MAX]; /* in the order of shb_bias.params; NULL: no such one */
+    shb_bias (*make)(void);                  /* with default parameters */
+    const char *param_names[SHB_PARAMS_MAX]; /* in the order of shb_bias.params; NULL: none */
 } shb_bias_method;
 
 /* All built-in methods in the order above; never fails. count may be NULL. */
 const shb_bias_method *shb_bias_methods(size_t *count);
 
-/* A method by its text form "name" or "name:param=value,param=value": decimal numbers with the
- * point
- * '.' in every locale; of a repeated parameter the last counts. SHB_ERROR_ARGUMENT for an unknown
- * name or parameter, a unit that is not 0, 1 or 2, or a number that is not finite. */
+/* A method by its text form "name" or "name:param=value,param=value": decimal numbers with '.' as
+ * the point in every locale; of a repeated parameter the last counts. SHB_ERROR_ARGUMENT for an
+ * unknown name or parameter, a unit that is not 0, 1 or 2, or a number that is not finite. */
 shb_result shb_bias_parse(const char *text, shb_bias *bias);
 
 #ifdef __cplusplus

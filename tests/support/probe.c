@@ -1,0 +1,63 @@
+#include "probe.h"
+
+#include "test.h"
+
+static void keep_receivers(const shb_filter_args *args) {
+    const shb_receivers *r = args->receivers;
+    const probe *place = args->filter->user;
+    *(probe *)place = (probe){
+        r->x[0],        r->y[0],           r->z[0],           r->normal_x[0],        r->normal_y[0],
+        r->normal_z[0], r->cosine[0],      r->texel_size[0],  r->depth_per_world[0], r->texel_x[0],
+        r->texel_y[0],  r->to_center_x[0], r->to_center_y[0], r->depth[0],           r->slope_x[0],
+        r->slope_y[0],  r->ref[0],         r->step_x[0],      r->step_y[0]};
+    for (size_t i = 0; i < args->count; i++)
+        args->visibility[i] = 1;
+}
+
+probe probe_fragment(const probe_light *light, const shb_bias *bias, shb_vec3 point,
+                     shb_vec3 normal) {
+    static const float texels[64 * 64];
+    const float position[3] = {(float)point.x, (float)point.y, (float)point.z};
+    const float direction[3] = {(float)normal.x, (float)normal.y, (float)normal.z};
+    const shb_points points = {.count = 1, .positions = position, .normals = direction};
+    const shb_map_desc desc = {.view = light->view,
+                               .width = light->width,
+                               .height = light->height,
+                               .scene_scale = light->scene_scale};
+    shb_bias curious = *bias;
+    curious.needs |= SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE;
+    probe kept = {0};
+    const shb_filter keep = {.name = "keep", .filter = keep_receivers, .user = &kept};
+    float visibility;
+    shb_context *context = NULL;
+    shb_map *map = NULL;
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    CHECK_INT(shb_map_wrap(context, &desc, texels, 0, bias, &map), SHB_OK);
+    CHECK_INT(shb_map_visibility(map, &points, &curious, &keep, &visibility), SHB_OK);
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+    return kept;
+}
+
+shb_view probe_view(const double rows[4][4], bool reversed) {
+    shb_view view = {.reversed = reversed};
+    for (int row = 0; row < 4; row++)
+        for (int column = 0; column < 4; column++)
+            view.clip_from_world.m[4 * column + row] = rows[row][column];
+    return view;
+}
+
+shb_view probe_orthographic(bool reversed) {
+    const double sign = reversed ? -1 : 1;
+    const double rows[4][4] = {
+        {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, -0.125 * sign, 0.5}, {0, 0, 0, 1}};
+    return probe_view(rows, reversed);
+}
+
+shb_view probe_perspective(bool reversed) {
+    /* clip z = 1.5 w - 1.5 = 4.5 - 1.5 z; reversed: w less that = 1.5 - 0.5 w = -0.5 + 0.5 z */
+    const double rows[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, -1.5, 4.5}, {0, 0, -1, 4}};
+    const double reversed_rows[4][4] = {
+        {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 0.5, -0.5}, {0, 0, -1, 4}};
+    return probe_view(reversed ? reversed_rows : rows, reversed);
+}
