@@ -1,7 +1,7 @@
 /* One tap: Williams, Casting curved shadows on curved surfaces, 1978. */
 #include "strict.h"
 
-#include "map.h"
+#include "format.h"
 #include "project.h"
 
 /* A NaN on either side compares as lit. */
@@ -18,7 +18,8 @@ static void hard(const shb_filter_args *args) {
     const size_t lanes = shb_round_to_lanes(args->count);
     SHB_ALIGN float stored[SHB_BATCH];
     shb_map_fetch(args->map, lanes, receivers->texel_x, receivers->texel_y, stored);
-    compare(lanes, shb_map_canonical_far(args->map), stored, receivers->ref, args->visibility);
+    compare(lanes, shb_far_depth(args->info->view.reversed), stored, receivers->ref,
+            args->visibility);
 }
 
 shb_filter shb_filter_hard(void) {

@@ -2,6 +2,7 @@
 
 #include "map.h"
 
+#include "format.h"
 #include "project.h"
 
 #include <float.h>
@@ -98,22 +99,18 @@ static shb_result make_map(shb_context *context, const char *caller, const shb_m
 }
 
 static void fill_far(const shb_map *map) {
+    enum { CHUNK = 256 };
     const bool reversed = map->info.view.reversed;
-    for (uint32_t row = 0; row < map->info.height; row++) {
-        void *texels = (char *)map->depth.texels + row * map->depth.stride;
-        for (uint32_t i = 0; i < map->info.width; i++)
-            switch (map->info.format) {
-            case SHB_FORMAT_FLOAT32:
-                ((float *)texels)[i] = reversed ? 0.0f : 1.0f;
-                break;
-            case SHB_FORMAT_UNORM24:
-                ((uint32_t *)texels)[i] = reversed ? 0 : 0xffffff;
-                break;
-            case SHB_FORMAT_UNORM16:
-                ((uint16_t *)texels)[i] = reversed ? 0 : 0xffff;
-                break;
-            }
-    }
+    const uint32_t width = map->info.width;
+    const size_t texel_size = shb_format_size(map->info.format);
+    float depths[CHUNK];
+    for (int i = 0; i < CHUNK; i++)
+        depths[i] = shb_far_depth(reversed);
+    for (uint32_t row = 0; row < map->info.height; row++)
+        for (uint32_t column = 0; column < width; column += CHUNK)
+            shb_format_store(
+                map->info.format, reversed, width - column < CHUNK ? width - column : CHUNK, depths,
+                (char *)map->depth.texels + row * map->depth.stride + column * texel_size);
 }
 
 shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_map **map) {

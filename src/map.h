@@ -37,21 +37,7 @@ struct shb_map {
     bool flipped;
 };
 
-/* The view's depth at its far plane: 1, or 0 when reversed. */
-static inline float shb_map_far(const shb_map *map) {
-    return map->info.view.reversed ? 0.0f : 1.0f;
-}
-
-/* The depth at the far plane, canonical. */
-static inline float shb_map_canonical_far(const shb_map *map) {
-    return map->info.view.reversed ? -0.0f : 1.0f;
-}
-
 /* Makes the map hold what the method draws into it. */
 void shb_map_set_method(shb_map *map, const shb_bias *bias);
-
-/* Rounds a row of depths of the view to the map's format: up, down when reversed, so that the
- * stored surface never lies nearer to the light than the true one. NaN counts as far. */
-void shb_map_store_row(const shb_map *map, uint32_t row, const float *depths);
 
 #endif

@@ -3,9 +3,8 @@
 
 #include "map.h"
 
+#include "format.h"
 #include "scene.h"
-
-#include <math.h>
 
 /* Where the two layers are drawn before they are combined: one row after the other, no gaps. */
 typedef struct layers {
@@ -23,12 +22,17 @@ static bool reserve_layers(const shb_map *map, layers *out) {
     return true;
 }
 
-static void negate(size_t count, float *depths) {
+/* The depths of a reversed view to canonical ones. */
+static void change_sign(size_t count, float *depths) {
     for (size_t i = 0; i < count; i++)
         depths[i] = -depths[i];
 }
 
-/* Methods see canonical depth; the map stores the view's own. */
+static void replace_nan(size_t count, float value, float *depths) {
+    for (size_t i = 0; i < count; i++)
+        depths[i] = depths[i] == depths[i] ? depths[i] : value;
+}
+
 static void combine_rows(shb_map *map, const shb_bias *bias, const layers *drawn) {
     const size_t width = map->info.width;
     const bool reversed = map->info.view.reversed;
@@ -36,13 +40,13 @@ static void combine_rows(shb_map *map, const shb_bias *bias, const layers *drawn
         float *nearest = drawn->nearest + row * width;
         float *second = drawn->second + row * width;
         if (reversed) {
-            negate(width, nearest);
-            negate(width, second);
+            change_sign(width, nearest);
+            change_sign(width, second);
         }
         bias->combine(bias, width, nearest, second, nearest);
-        if (reversed)
-            negate(width, nearest);
-        shb_map_store_row(map, row, nearest);
+        replace_nan(width, shb_far_depth(reversed), nearest);
+        shb_format_store(map->info.format, reversed, width, nearest,
+                         (char *)map->depth.texels + row * map->depth.stride);
     }
 }
 

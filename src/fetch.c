@@ -1,9 +1,8 @@
-/* The formats of a map's texels: reading them as canonical depth, writing them from depth. */
+/* Reading the texels of a map, whatever their format, as canonical depth. */
 #include "strict.h"
 
+#include "format.h"
 #include "map.h"
-
-#include <math.h>
 
 #define UNORM24_MAX 0xffffff
 #define UNORM16_MAX 0xffff
@@ -54,41 +53,10 @@ void shb_map_fetch(const shb_map *map, size_t count, const int32_t *texel_x, con
         break;
     }
     const uint32_t width = map->info.width, height = map->info.height;
-    const float far_depth = shb_map_canonical_far(map);
+    const float far_depth = shb_far_depth(map->info.view.reversed);
     const float sign = map->info.view.reversed ? -1.0f : 1.0f;
     for (size_t i = 0; i < count; i++) {
         const int inside = ((uint32_t)texel_x[i] < width) & ((uint32_t)texel_y[i] < height);
         depth[i] = inside ? sign * depth[i] : far_depth;
-    }
-}
-
-/* depth * steps is exact in double: 24 bits times 24 bits. Away from the light is up, or down when
- * reversed. */
-static inline double quantized(float depth, double steps, bool reversed) {
-    const double scaled = (double)depth * steps;
-    const double whole = reversed ? floor(scaled) : ceil(scaled);
-    const double low = whole > 0 ? whole : 0;
-    const double limited = low < steps ? low : steps;
-    const double far_value = reversed ? 0 : steps;
-    return depth == depth ? limited : far_value;
-}
-
-void shb_map_store_row(const shb_map *map, uint32_t row, const float *depths) {
-    void *texels = (char *)map->depth.texels + row * map->depth.stride;
-    const bool reversed = map->info.view.reversed;
-    const uint32_t width = map->info.width;
-    switch (map->info.format) {
-    case SHB_FORMAT_FLOAT32:
-        for (uint32_t i = 0; i < width; i++)
-            ((float *)texels)[i] = depths[i] == depths[i] ? depths[i] : shb_map_far(map);
-        break;
-    case SHB_FORMAT_UNORM24:
-        for (uint32_t i = 0; i < width; i++)
-            ((uint32_t *)texels)[i] = (uint32_t)quantized(depths[i], UNORM24_MAX, reversed);
-        break;
-    case SHB_FORMAT_UNORM16:
-        for (uint32_t i = 0; i < width; i++)
-            ((uint16_t *)texels)[i] = (uint16_t)quantized(depths[i], UNORM16_MAX, reversed);
-        break;
     }
 }
