@@ -182,7 +182,7 @@ TEST(slopes_are_cut_off_at_the_depth_of_the_map) {
 }
 
 TEST(receivers_without_a_normal_face_the_light) {
-    const shb_vec3 unusable[] = {{0, 0, 0}, {NAN, 0, 1}, {0, INFINITY, 0}, {0, 0, -INFINITY}};
+    const shb_vec3 unusable[] = {{0, 0, 0}, {nan(""), 0, 1}, {0, HUGE_VAL, 0}, {0, 0, -HUGE_VAL}};
     const shb_bias bias = shb_bias_adaptive_soft(1e-3f, 0, 100);
     for (int i = 0; i < 4; i++) {
         const probe seen = ask_perspective(false, &bias, unusable[i]);

@@ -59,8 +59,8 @@ TEST(far_coordinates_and_depths_end_at_a_limit) {
 
 TEST(points_behind_the_light_or_not_finite_have_no_texel) {
     const shb_view spot = probe_perspective(false), sun = probe_orthographic(true);
-    const shb_vec3 none_of_spot[] = {{0, 0, 5},   {0, 0, 4},        {0.5, 0.5, 4},
-                                     {NAN, 0, 0}, {0, INFINITY, 0}, {0, 0, -INFINITY}};
+    const shb_vec3 none_of_spot[] = {{0, 0, 5},       {0, 0, 4},        {0.5, 0.5, 4},
+                                     {nan(""), 0, 0}, {0, HUGE_VAL, 0}, {0, 0, -HUGE_VAL}};
     for (int i = 0; i < 6; i++) {
         const probe seen = project(spot, 8, 8, none_of_spot[i]);
         CHECK_INT(seen.texel_x, SHB_TEXEL_NONE);
@@ -70,7 +70,8 @@ TEST(points_behind_the_light_or_not_finite_have_no_texel) {
         CHECK(isfinite(seen.slope_x) && isfinite(seen.slope_y));
         CHECK(isfinite(seen.texel_size) && isfinite(seen.depth_per_world));
     }
-    const shb_vec3 none_of_sun[] = {{NAN, 0, 0}, {0, NAN, 0}, {0, 0, NAN}, {0, 0, INFINITY}};
+    const shb_vec3 none_of_sun[] = {
+        {nan(""), 0, 0}, {0, nan(""), 0}, {0, 0, nan("")}, {0, 0, HUGE_VAL}};
     for (int i = 0; i < 4; i++)
         CHECK_INT(project(sun, 8, 8, none_of_sun[i]).texel_x, SHB_TEXEL_NONE);
     CHECK_INT(project(sun, 8, 8, (shb_vec3){0, 0, 100}).texel_x, 4); /* no light to be behind */
@@ -125,7 +126,7 @@ TEST(depth_per_world_with_far_at_infinity) {
     for (int reversed = 0; reversed < 2; reversed++) {
         shb_view view;
         shb_view_perspective((shb_vec3){0, 0, 8}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0}, 1, 1,
-                             0.25, INFINITY, reversed, &view);
+                             0.25, HUGE_VAL, reversed, &view);
         const probe seen = project(view, 16, 16, (shb_vec3){1, 0.5, 3}); /* w = 5 */
         CHECK_NEAR(seen.depth_per_world / (0.25 / 25), 1, 1e-7);
     }

@@ -41,7 +41,7 @@ static shb_vec3 random_vector(test_random *random) {
 
 /* What the probe receives is rounded to float. */
 static shb_vec3 as_floats(shb_vec3 v) {
-    return (shb_vec3){(float)v.x, (float)v.y, (float)v.z};
+    return (shb_vec3){(double)(float)v.x, (double)(float)v.y, (double)(float)v.z};
 }
 
 /* A fragment about the origin that the light sees, with a plane of at most 80 degrees. */
@@ -73,7 +73,7 @@ TEST(planes_have_the_depth_of_the_light_rays_through_texel_centres) {
         const shb_vec3 up = random_vector(&random);
         probe_light light = {.width = 64, .height = 48, .scene_scale = 1};
         if (central)
-            shb_view_perspective(eye, target, up, 0.8, 1.2, 3, i % 8 == 6 ? INFINITY : 10, reversed,
+            shb_view_perspective(eye, target, up, 0.8, 1.2, 3, i % 8 == 6 ? HUGE_VAL : 10, reversed,
                                  &light.view);
         else
             shb_view_orthographic(eye, target, up, 2.5, 2, 2, 10, reversed, &light.view);

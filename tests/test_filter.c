@@ -193,9 +193,9 @@ TEST(hard_reads_the_texel_that_holds_the_fragment) {
 
 TEST(fragments_that_the_map_does_not_hold_are_lit) {
     const shb_bias none = shb_bias_none();
-    const shb_vec3 points[] = {{1.01, 0, 0},  {-1.01, 0, 0}, {0, 1.01, 0}, {0, -1.01, 0},
-                               {NAN, 0, 0},   {0, NAN, 0},   {0, 0, NAN},  {INFINITY, 0, 0},
-                               {3e38, 0, -9}, {0, 0, 5},     {0, 0, 4}};
+    const shb_vec3 points[] = {{1.01, 0, 0},    {-1.01, 0, 0},   {0, 1.01, 0},    {0, -1.01, 0},
+                               {nan(""), 0, 0}, {0, nan(""), 0}, {0, 0, nan("")}, {HUGE_VAL, 0, 0},
+                               {3e38, 0, -9},   {0, 0, 5},       {0, 0, 4}};
     for (int reversed = 0; reversed < 2; reversed++) {
         host_map host;
         open_map(&host, probe_perspective(reversed), SHB_FORMAT_FLOAT32);

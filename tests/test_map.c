@@ -150,16 +150,16 @@ TEST(maps_refuse_bad_descriptions) {
     desc = plain_desc();
     desc.format = (shb_format)3;
     refuse(&host, &desc, SHB_ERROR_ARGUMENT, "desc.format 3");
-    const double scales[] = {-1, NAN, INFINITY};
+    const double scales[] = {-1, nan(""), HUGE_VAL};
     for (int i = 0; i < 3; i++) {
         desc = plain_desc();
         desc.scene_scale = scales[i];
         refuse(&host, &desc, SHB_ERROR_NUMBER, "desc.scene_scale");
     }
     desc = plain_desc();
-    desc.view.clip_from_world.m[5] = NAN;
+    desc.view.clip_from_world.m[5] = nan("");
     refuse(&host, &desc, SHB_ERROR_NUMBER, "desc.view");
-    desc.view.clip_from_world.m[5] = INFINITY;
+    desc.view.clip_from_world.m[5] = HUGE_VAL;
     refuse(&host, &desc, SHB_ERROR_NUMBER, "desc.view");
     desc.view.clip_from_world.m[5] = 0;
     refuse(&host, &desc, SHB_ERROR_NUMBER, "desc.view");
@@ -255,7 +255,7 @@ TEST(a_wrapped_map_has_the_scale_of_its_frustum) {
         CHECK_NEAR(wrapped_scale(&host, probe_perspective(reversed), 0), sqrt(76), 1e-12);
         shb_view view;
         shb_view_perspective((shb_vec3){0, 0, 8}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0},
-                             1.5707963267948966, 1, 0.25, INFINITY, reversed, &view);
+                             1.5707963267948966, 1, 0.25, HUGE_VAL, reversed, &view);
         CHECK_NEAR(wrapped_scale(&host, view, 0), sqrt(2.0625), 1e-12);
         CHECK_NEAR(wrapped_scale(&host, view, 3), 3, 0);
     }
@@ -366,7 +366,7 @@ TEST(a_failed_drawing_leaves_the_map_alone) {
     const double scale = shb_map_get_info(map)->scene_scale;
 
     shb_instance broken = instance;
-    broken.world_from_mesh = shb_mat4_translation(NAN, 0, 0);
+    broken.world_from_mesh = shb_mat4_translation(nan(""), 0, 0);
     shb_mesh headless = mesh;
     headless.positions = NULL;
     const shb_instance no_positions = {.mesh = &headless};

@@ -2,14 +2,32 @@
 
 #include "test.h"
 
+static double first(const float *array) {
+    return (double)array[0];
+}
+
 static void keep_receivers(const shb_filter_args *args) {
     const shb_receivers *r = args->receivers;
-    const probe *place = args->filter->user;
-    *(probe *)place = (probe){
-        r->x[0],        r->y[0],           r->z[0],           r->normal_x[0],        r->normal_y[0],
-        r->normal_z[0], r->cosine[0],      r->texel_size[0],  r->depth_per_world[0], r->texel_x[0],
-        r->texel_y[0],  r->to_center_x[0], r->to_center_y[0], r->depth[0],           r->slope_x[0],
-        r->slope_y[0],  r->ref[0],         r->step_x[0],      r->step_y[0]};
+    probe *const *place = args->filter->user;
+    **place = (probe){.x = first(r->x),
+                      .y = first(r->y),
+                      .z = first(r->z),
+                      .normal_x = first(r->normal_x),
+                      .normal_y = first(r->normal_y),
+                      .normal_z = first(r->normal_z),
+                      .cosine = first(r->cosine),
+                      .texel_size = first(r->texel_size),
+                      .depth_per_world = first(r->depth_per_world),
+                      .texel_x = r->texel_x[0],
+                      .texel_y = r->texel_y[0],
+                      .to_center_x = first(r->to_center_x),
+                      .to_center_y = first(r->to_center_y),
+                      .depth = first(r->depth),
+                      .slope_x = first(r->slope_x),
+                      .slope_y = first(r->slope_y),
+                      .ref = first(r->ref),
+                      .step_x = first(r->step_x),
+                      .step_y = first(r->step_y)};
     for (size_t i = 0; i < args->count; i++)
         args->visibility[i] = 1;
 }
@@ -27,7 +45,8 @@ probe probe_fragment(const probe_light *light, const shb_bias *bias, shb_vec3 po
     shb_bias curious = *bias;
     curious.needs |= SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE;
     probe kept = {0};
-    const shb_filter keep = {.name = "keep", .filter = keep_receivers, .user = &kept};
+    probe *const place = &kept;
+    const shb_filter keep = {.name = "keep", .filter = keep_receivers, .user = &place};
     float visibility;
     shb_context *context = NULL;
     shb_map *map = NULL;
