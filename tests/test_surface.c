@@ -110,27 +110,39 @@ static double projection_error(const shb_view *view, shb_vec3 p, uint32_t size, 
     return (double)hypotl((x + 1) * size / 2 - column - 0.5L, (1 - y) * size / 2 - row - 0.5L);
 }
 
+/* A triangle of about the given size around the point of a ray from the eye, in full double bits.
+ */
+static void random_triangle(test_random *random, const shb_view *view, shb_vec3 eye, double ray_x,
+                            double ray_y, double size, shb_surface_triangle *triangle) {
+    const float angle = (float)random_double(random, 0, 6.28);
+    float corners[9];
+    for (int k = 0; k < 3; k++) {
+        const float depth = (float)random_double(random, -1, 1);
+        corners[3 * k] = cosf(angle + 2.1f * (float)k) - depth * (float)ray_x;
+        corners[3 * k + 1] = sinf(angle + 2.1f * (float)k) - depth * (float)ray_y;
+        corners[3 * k + 2] = depth;
+    }
+    const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
+    shb_instance instance = {.mesh = &mesh, .world_from_mesh = shb_mat4_scaling(size, size, size)};
+    instance.world_from_mesh.m[12] = eye.x + 10 * ray_x;
+    instance.world_from_mesh.m[13] = eye.y + 10 * ray_y;
+    instance.world_from_mesh.m[14] = eye.z - 10;
+    const shb_scene scene = {&instance, 1};
+    CHECK(shb_surface_prepare(&scene, view, 0, triangle));
+}
+
 /* The largest distance of projected points from the pixels' centres over random triangles of a size
  * that cover the pixel, 10 units before a camera at a distance from the origin. */
 static double worst_projection(double origin, double size) {
     test_random random = {7};
-    /* whole numbers, so that the matrix is exact */
-    const shb_vec3 eye = {origin, -origin, origin};
-    const shb_view view = pinhole_at(eye);
+    const shb_vec3 eye = {origin / 3, -origin / 7, origin / 11};
+    shb_view view = pinhole_at(eye);
     double worst = 0;
     for (int i = 0; i < 2000; i++) {
         const uint32_t column = random_below(&random, 1024), row = random_below(&random, 1024);
         const double ray_x = (2.0 * column + 1 - 1024) / 1024, ray_y = (1023 - 2.0 * row) / 1024;
-        const double angle = random_double(&random, 0, 6.28);
-        float corners[9];
-        for (int k = 0; k < 3; k++) {
-            const double turn = angle + 2.1 * k, away = 10 + random_double(&random, -size, size);
-            corners[3 * k] = (float)(eye.x + away * ray_x + size * cos(turn));
-            corners[3 * k + 1] = (float)(eye.y + away * ray_y + size * sin(turn));
-            corners[3 * k + 2] = (float)(eye.z - away);
-        }
         shb_surface_triangle triangle;
-        CHECK(prepare(corners, &view, &triangle));
+        random_triangle(&random, &view, eye, ray_x, ray_y, size, &triangle);
         double weights[3];
         shb_surface_weights(&triangle, 1024, 1024, column, row, weights);
         check_inside(weights);
@@ -141,9 +153,6 @@ static double worst_projection(double origin, double size) {
     return worst;
 }
 
-/* The bound: some ten roundings of 2^-53 relative to the distance from the origin R, seen at
- * distance 10 by 512 pixels: 1e-15 R * 512 / 10 = 5e-14 R. Cross products without the edge's
- * difference lose another factor of distance over size, here 1000. */
 TEST(surface_points_project_to_the_pixel_centre) {
     CHECK(worst_projection(0, 1) < 1e-12);
     CHECK(worst_projection(0, 0.01) < 1e-12);
@@ -239,6 +248,19 @@ TEST(surface_centre_outside_an_edge_is_moved_in_perspective) {
     const double w = 1 + 350.0 / 418;
     const shb_view view = pinhole();
     check_every_order(&view, corners, (double)x * w, 47 * w / 128, -w);
+}
+
+TEST(surface_nearest_point_is_measured_in_pixels_of_an_oblong_image) {
+    /* In an image of 128 x 64 the centre (20.5, 40.5) lies (1/8, -1/8) pixel before an edge that
+     * runs down to the right at 45 degrees, at a quarter of its length. */
+    const float corners[9] = {10.625f, 30.375f, 0, 50.625f, 70.375f, 1, 60, 30, 0};
+    shb_view view = pixel_space();
+    view.clip_from_world.m[5] = -2.0 / 64;
+    shb_surface_triangle triangle;
+    CHECK(prepare(corners, &view, &triangle));
+    double weights[3];
+    shb_surface_weights(&triangle, 128, 64, 20, 40, weights);
+    check_weights(weights, 0.75, 0.25, 0);
 }
 
 TEST(surface_triangle_seen_from_its_edge_gives_the_nearest_point) {
