@@ -14,11 +14,8 @@
 
 #include <math.h>
 
+#include "matrix.h"
 #include "scene.h"
-
-static bool is_finite(shb_vec3 v) {
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-}
 
 /* The instance of a triangle id and the triangle's number in its mesh; NULL if there is none. */
 static const shb_instance *find_instance(const shb_scene *scene, uint32_t *id) {
@@ -59,7 +56,7 @@ static shb_vec3 front_normal(const shb_vec3 corners[3], bool mirrors) {
     const shb_vec3 cross = shb_vec3_cross(shb_vec3_subtract(corners[1], corners[0]),
                                           shb_vec3_subtract(corners[2], corners[0]));
     const shb_vec3 normal = shb_vec3_normalize(shb_vec3_scale(cross, mirrors ? -1 : 1));
-    return is_finite(normal) ? normal : (shb_vec3){0};
+    return shb_vec3_is_finite(normal) ? normal : (shb_vec3){0};
 }
 
 static void prepare_weights(const shb_view *camera, shb_surface_triangle *triangle) {
@@ -91,9 +88,11 @@ bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_
     triangle->id = id;
     triangle->has_normals = mesh->normals != NULL;
     for (int k = 0; k < 3; k++) {
+        if (vertices[k] >= mesh->vertex_count)
+            return false;
         const shb_vec3 position = from_floats(shb_mesh_position(mesh, vertices[k]));
         triangle->corners[k] = shb_mat4_transform_point(transform, position);
-        if (!is_finite(triangle->corners[k]))
+        if (!shb_vec3_is_finite(triangle->corners[k]))
             return false;
         if (triangle->has_normals)
             triangle->shading[k] = transform_normal(
