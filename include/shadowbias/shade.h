@@ -21,8 +21,11 @@ typedef struct shb_frame {
 } shb_frame;
 
 /* A batch of fragments: consecutive covered pixels of a row. The position is the point of the
- * triangle under the pixel's centre, clamped to the triangle where snapping covered a centre just
- * outside it; normals are unit vectors turned towards the camera. */
+ * triangle under the pixel's centre, or the nearest point of the triangle on the screen where
+ * snapping covered a centre just outside it. Normals are unit vectors: the triangle's is turned
+ * towards the camera (a triangle without area gets the direction to it), the shading normal to the
+ * same side of the triangle. From the count up to the next multiple of 16 all arrays repeat the last
+ * fragment, those of shb_lighting too, so that loops may run over whole vectors. */
 typedef struct shb_fragments {
     SHB_ALIGN float x[SHB_BATCH]; /* world position */
     float y[SHB_BATCH];
@@ -30,7 +33,7 @@ typedef struct shb_fragments {
     float normal_x[SHB_BATCH]; /* of the triangle */
     float normal_y[SHB_BATCH];
     float normal_z[SHB_BATCH];
-    float shading_x[SHB_BATCH]; /* interpolated from the mesh's normals; the triangle's without */
+    float shading_x[SHB_BATCH]; /* interpolated from the mesh's normals; the triangle's without any */
     float shading_y[SHB_BATCH];
     float shading_z[SHB_BATCH];
     float weight_1[SHB_BATCH]; /* barycentric weights of the triangle's second and third corner */
@@ -40,11 +43,12 @@ typedef struct shb_fragments {
     int32_t pixel_y[SHB_BATCH];
 } shb_fragments;
 
-/* What one light does to the batch. */
+/* What one light does to the batch. A triangle faces the light if light and camera lie on the same
+ * side of it. */
 typedef struct shb_lighting {
     SHB_ALIGN float visibility[SHB_BATCH]; /* 0 shadowed .. 1 lit; 0 where the triangle faces away */
-    float cosine[SHB_BATCH]; /* between shading normal and light direction, 0 where either normal
-                                faces away */
+    float cosine[SHB_BATCH]; /* between shading normal and light direction; 0 where the triangle or
+                                the shading normal faces away */
 } shb_lighting;
 
 typedef struct shb_shade_light {
@@ -61,8 +65,10 @@ typedef struct shb_shade_args {
     const shb_shade_light *lights;
     const shb_lighting *lighting; /* one a light */
     const void *user;
-    float *red; /* out: linear colour, SHB_BATCH elements each; written to the image as its square */
-    float *green; /* root, clamped to 0 .. 1 (a display gamma of 2) */
+    /* out: linear colour, SHB_BATCH elements each, black before the call; the image gets its square
+     * root (a display gamma of 2), clamped to 0 .. 1, NaN as 0, rounded to the nearest 1 / 255 */
+    float *red;
+    float *green;
     float *blue;
 } shb_shade_args;
 
@@ -79,19 +85,23 @@ typedef struct shb_shade_desc {
     shb_image image;     /* pixels NULL: none is written, the callback may keep what it wants */
 } shb_shade_desc;
 
-/* Shades the frame. Errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE, SHB_ERROR_NUMBER,
- * SHB_ERROR_UNSUPPORTED as shb_map_visibility, SHB_ERROR_MEMORY; the image is untouched then. Ids
- * that the scene does not have are background. One call at a time for a context. */
+/* Shades the frame; allocates nothing, but needs some 100 KB of stack on every thread. Errors:
+ * SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE (also an image that is not of the frame's size),
+ * SHB_ERROR_NUMBER (background, colour, view), SHB_ERROR_UNSUPPORTED as shb_map_visibility; the image
+ * is untouched then. Ids that the scene does not have, or whose triangle has a corner that is not
+ * finite, are background. One call at a time for a context. */
 shb_result shb_shade(shb_context *context, const shb_shade_desc *desc);
 
-/* White Lambert surfaces under all lights, with a little ambient light (0.08) from above. user: NULL,
- * or a pointer to the three floats of a surface colour. */
+/* White Lambert surfaces under all lights: the sum of color * visibility * cosine, and ambient light
+ * from above (+y), 0.04 * (1 + shading_y). user: NULL, or a pointer to the three floats of a surface
+ * colour. */
 void shb_shade_lambert(const shb_shade_args *args);
 
-/* Lambert in grey, false shadow red and false light blue, for the first light. user: an
- * shb_shade_error_params. */
+/* The errors of the first light over surfaces in dim grey: false shadow red, false light blue, both
+ * paler where the truth has the flag SHB_TRUTH_BOUNDARY. A visibility below 0.5 counts as shadowed.
+ * user: an shb_shade_error_params. */
 typedef struct shb_shade_error_params {
-    const uint8_t *truth; /* one an pixel, as shb_reference_classify writes it */
+    const uint8_t *truth; /* one a pixel, as shb_reference_classify writes it */
     size_t stride;        /* bytes from one row to the next */
 } shb_shade_error_params;
 void shb_shade_error(const shb_shade_args *args);

@@ -1,0 +1,237 @@
+#include "strict.h"
+
+#include "shadowbias/shade.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "context.h"
+#include "fragments.h"
+#include "map.h"
+#include "project.h"
+#include "scene.h"
+#include "visibility.h"
+
+/* Rows of a task: enough to meet triangles again, few enough to keep all threads busy. */
+#define ROWS_PER_TASK 16
+
+/* One call of shb_shade, shared by its tasks. */
+typedef struct shading {
+    const shb_shade_desc *desc;
+    shb_light_source eye;
+    shb_light_source lights[SHB_LIGHTS_MAX];
+    shb_filter filters[SHB_LIGHTS_MAX];
+    uint8_t background[3];
+} shading;
+
+/* The arrays of one task. */
+typedef struct workspace {
+    shb_fragment_reader reader;
+    shb_fragments fragments;
+    shb_receivers receivers;
+    shb_lighting lighting[SHB_LIGHTS_MAX];
+    SHB_ALIGN float red[SHB_BATCH];
+    float green[SHB_BATCH];
+    float blue[SHB_BATCH];
+    uint32_t facing[SHB_BATCH];
+} workspace;
+
+static shb_result fail(const shb_context *context, shb_result result, const char *what) {
+    return shb_fail(context, result, "shb_shade: %s", what);
+}
+
+static bool are_finite(const float rgb[3]) {
+    return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
+}
+
+static shb_result check_frame(const shb_context *context, const shb_frame *frame) {
+    if (!frame->view || !frame->scene || !frame->ids)
+        return fail(context, SHB_ERROR_ARGUMENT, "desc.frame.view, scene or ids is NULL");
+    if (frame->width == 0 || frame->width > SHB_SIZE_MAX || frame->height == 0 ||
+        frame->height > SHB_SIZE_MAX)
+        return shb_fail(context, SHB_ERROR_SIZE,
+                        "shb_shade: desc.frame.width %u or height %u is not in 1 .. %d",
+                        (unsigned)frame->width, (unsigned)frame->height, SHB_SIZE_MAX);
+    const size_t row_size = frame->width * sizeof *frame->ids;
+    if (frame->id_stride % sizeof *frame->ids || (frame->id_stride && frame->id_stride < row_size))
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "shb_shade: desc.frame.id_stride %zu is not a multiple of 4 or below %zu",
+                        frame->id_stride, row_size);
+    const char *reason;
+    const shb_result result = shb_scene_check(frame->scene, &reason);
+    return result == SHB_OK ? SHB_OK : fail(context, result, reason);
+}
+
+static shb_result check_image(const shb_context *context, const shb_shade_desc *desc) {
+    const shb_image *image = &desc->image;
+    if (!are_finite(desc->background))
+        return fail(context, SHB_ERROR_NUMBER, "desc.background is not finite");
+    if (!image->pixels)
+        return SHB_OK;
+    if (image->width != desc->frame.width || image->height != desc->frame.height)
+        return shb_fail(context, SHB_ERROR_SIZE,
+                        "shb_shade: desc.image is %u x %u, the frame is %u x %u",
+                        (unsigned)image->width, (unsigned)image->height,
+                        (unsigned)desc->frame.width, (unsigned)desc->frame.height);
+    if (image->stride && image->stride < 3 * (size_t)image->width)
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "shb_shade: desc.image.stride %zu is below 3 * width %u", image->stride,
+                        (unsigned)image->width);
+    return SHB_OK;
+}
+
+static shb_result check_lights(const shb_context *context, const shb_shade_desc *desc) {
+    if (desc->light_count > SHB_LIGHTS_MAX)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_shade: desc.light_count %zu exceeds %d",
+                        desc->light_count, SHB_LIGHTS_MAX);
+    if (desc->light_count && !desc->lights)
+        return fail(context, SHB_ERROR_ARGUMENT, "desc.lights is NULL");
+    for (size_t k = 0; k < desc->light_count; k++) {
+        const shb_shade_light *light = &desc->lights[k];
+        if (!light->map)
+            return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_shade: desc.lights[%zu].map is NULL",
+                            k);
+        if (!are_finite(light->color))
+            return shb_fail(context, SHB_ERROR_NUMBER,
+                            "shb_shade: desc.lights[%zu].color is not finite", k);
+        const shb_result result =
+            shb_visibility_check(light->map, "shb_shade", light->bias, light->filter, true);
+        if (result != SHB_OK)
+            return result;
+    }
+    return SHB_OK;
+}
+
+static shb_result check(const shb_context *context, const shb_shade_desc *desc) {
+    if (!desc)
+        return fail(context, SHB_ERROR_ARGUMENT, "desc is NULL");
+    if (!desc->shade)
+        return fail(context, SHB_ERROR_ARGUMENT, "desc.shade is NULL");
+    shb_result result = check_frame(context, &desc->frame);
+    if (result == SHB_OK)
+        result = check_image(context, desc);
+    return result == SHB_OK ? check_lights(context, desc) : result;
+}
+
+/* NaN becomes 0. */
+static float clamp_unit(float value) {
+    return value > 0 ? (value < 1 ? value : 1) : 0;
+}
+
+/* The image's square root; + 0.5 rounds to the nearest. */
+static uint8_t display_byte(float linear) {
+    return (uint8_t)(sqrtf(clamp_unit(linear)) * 255.0f + 0.5f);
+}
+
+/* A light's share of a batch; all fragments go through the map, so that vectors stay full. */
+static void ask_light(const shading *job, size_t k, size_t count, workspace *work) {
+    const shb_shade_light *light = &job->desc->lights[k];
+    const shb_fragments *fragments = &work->fragments;
+    shb_receivers *receivers = &work->receivers;
+    memcpy(receivers->x, fragments->x, sizeof receivers->x);
+    memcpy(receivers->y, fragments->y, sizeof receivers->y);
+    memcpy(receivers->z, fragments->z, sizeof receivers->z);
+    memcpy(receivers->normal_x, fragments->normal_x, sizeof receivers->normal_x);
+    memcpy(receivers->normal_y, fragments->normal_y, sizeof receivers->normal_y);
+    memcpy(receivers->normal_z, fragments->normal_z, sizeof receivers->normal_z);
+    float *visibility = work->lighting[k].visibility;
+    shb_visibility_batch(light->map, light->bias, &job->filters[k], count, receivers, visibility);
+    for (size_t i = count; i % SHB_LANES; i++)
+        visibility[i] = visibility[count - 1];
+    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
+        if (!(work->facing[i] >> k & 1))
+            visibility[i] = 0;
+}
+
+/* Cosines between shading normals and directions to the light, in double: distances may be large.
+ */
+static void write_cosines(const shb_light_source *light, size_t k, size_t count, workspace *work) {
+    const shb_fragments *fragments = &work->fragments;
+    float *cosine = work->lighting[k].cosine;
+    for (size_t i = 0; i < shb_round_to_lanes(count); i++) {
+        const double x = light->position.x - light->w * (double)fragments->x[i];
+        const double y = light->position.y - light->w * (double)fragments->y[i];
+        const double z = light->position.z - light->w * (double)fragments->z[i];
+        const double along = x * (double)fragments->shading_x[i] +
+                             y * (double)fragments->shading_y[i] +
+                             z * (double)fragments->shading_z[i];
+        const float value = (float)(along / sqrt(x * x + y * y + z * z));
+        cosine[i] = work->facing[i] >> k & 1 ? clamp_unit(value) : 0;
+    }
+}
+
+static void write_pixels(const shb_image *image, size_t count, const workspace *work) {
+    const size_t stride = image->stride ? image->stride : 3 * (size_t)image->width;
+    uint8_t *row = image->pixels + (size_t)work->fragments.pixel_y[0] * stride;
+    for (size_t i = 0; i < count; i++) {
+        uint8_t *pixel = row + 3 * (size_t)work->fragments.pixel_x[i];
+        pixel[0] = display_byte(work->red[i]);
+        pixel[1] = display_byte(work->green[i]);
+        pixel[2] = display_byte(work->blue[i]);
+    }
+}
+
+static void shade_batch(const shading *job, size_t count, workspace *work) {
+    const shb_shade_desc *desc = job->desc;
+    for (size_t k = 0; k < desc->light_count; k++) {
+        ask_light(job, k, count, work);
+        write_cosines(&job->lights[k], k, count, work);
+    }
+    memset(work->red, 0, sizeof work->red);
+    memset(work->green, 0, sizeof work->green);
+    memset(work->blue, 0, sizeof work->blue);
+    const shb_shade_args args = {count,        &work->fragments, desc->light_count,
+                                 desc->lights, work->lighting,   desc->user,
+                                 work->red,    work->green,      work->blue};
+    desc->shade(&args);
+    if (desc->image.pixels)
+        write_pixels(&desc->image, count, work);
+}
+
+static void clear_row(const shading *job, uint32_t row) {
+    const shb_image *image = &job->desc->image;
+    const size_t stride = image->stride ? image->stride : 3 * (size_t)image->width;
+    uint8_t *pixels = image->pixels + row * stride;
+    for (size_t x = 0; x < image->width; x++)
+        memcpy(pixels + 3 * x, job->background, 3);
+}
+
+static void shade_rows(void *arg, size_t index) {
+    const shading *job = arg;
+    const shb_frame *frame = &job->desc->frame;
+    const uint32_t first = (uint32_t)index * ROWS_PER_TASK;
+    const uint32_t left = frame->height - first;
+    const uint32_t end = first + (left < ROWS_PER_TASK ? left : ROWS_PER_TASK);
+    workspace work;
+    memset(&work.fragments, 0, sizeof work.fragments);
+    shb_fragment_reader_init(&work.reader, frame, job->eye, job->lights, job->desc->light_count);
+    for (uint32_t row = first; row < end; row++) {
+        if (job->desc->image.pixels)
+            clear_row(job, row);
+        uint32_t column = 0;
+        size_t count;
+        while ((count = shb_fragments_read(&work.reader, row, &column, &work.fragments,
+                                           work.facing)) > 0)
+            shade_batch(job, count, &work);
+    }
+}
+
+shb_result shb_shade(shb_context *context, const shb_shade_desc *desc) {
+    if (!context)
+        return SHB_ERROR_ARGUMENT;
+    const shb_result result = check(context, desc);
+    if (result != SHB_OK)
+        return result;
+    shading job = {.desc = desc};
+    if (shb_view_light_source(desc->frame.view, &job.eye) != SHB_OK)
+        return fail(context, SHB_ERROR_NUMBER, "desc.frame.view cannot be inverted");
+    for (size_t k = 0; k < desc->light_count; k++) {
+        job.lights[k] = shb_map_get_info(desc->lights[k].map)->light;
+        job.filters[k] = desc->lights[k].filter ? *desc->lights[k].filter : shb_filter_hard();
+    }
+    for (int channel = 0; channel < 3; channel++)
+        job.background[channel] = display_byte(desc->background[channel]);
+    shb_parallel_for(context, shade_rows, &job,
+                     (desc->frame.height + ROWS_PER_TASK - 1) / ROWS_PER_TASK);
+    return SHB_OK;
+}
