@@ -2,8 +2,6 @@
 
 #include "fragments.h"
 
-#include <math.h>
-
 #include "project.h"
 
 void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_frame *frame,
@@ -47,25 +45,12 @@ static const shb_fragment_triangle *find_triangle(shb_fragment_reader *reader, u
     return triangle;
 }
 
-/* The mesh's normal on the camera's side of the triangle. */
-static shb_vec3 shading_normal(const shb_surface_triangle *surface, const double weights[3]) {
-    if (!surface->has_normals)
-        return surface->normal;
-    shb_vec3 sum = shb_vec3_scale(surface->shading[0], weights[0]);
-    sum = shb_vec3_add(sum, shb_vec3_scale(surface->shading[1], weights[1]));
-    sum = shb_vec3_add(sum, shb_vec3_scale(surface->shading[2], weights[2]));
-    if (shb_vec3_dot(sum, surface->normal) < 0)
-        sum = shb_vec3_scale(sum, -1);
-    const double length = sqrt(shb_vec3_dot(sum, sum));
-    return length > 0 && isfinite(length) ? shb_vec3_scale(sum, 1 / length) : surface->normal;
-}
-
 static void write_fragment(const shb_frame *frame, const shb_surface_triangle *surface,
                            uint32_t column, uint32_t row, shb_fragments *out, size_t i) {
     double weights[3];
     shb_surface_weights(surface, frame->width, frame->height, column, row, weights);
     const shb_vec3 point = shb_surface_point(surface, weights);
-    const shb_vec3 shading = shading_normal(surface, weights);
+    const shb_vec3 shading = shb_surface_shading_normal(surface, weights);
     out->x[i] = (float)point.x;
     out->y[i] = (float)point.y;
     out->z[i] = (float)point.z;

@@ -40,16 +40,22 @@ static shb_vec3 clip_xyw(const shb_mat4 *a, shb_vec3 v, double v_w) {
                       m[3] * v.x + m[7] * v.y + m[11] * v.z + m[15] * v_w};
 }
 
-/* The outward side of a surface under a transform: its inverse transpose, up to a positive factor,
- * which is the matrix of its cofactors with the sign of its determinant. */
-static shb_vec3 transform_normal(const shb_mat4 *a, bool mirrors, shb_vec3 n) {
+/* Columns of the matrix that takes the outward side of a surface through a transform: its inverse
+ * transpose, up to a positive factor, which is its cofactors with the sign of its determinant. */
+static void normal_columns(const shb_mat4 *a, bool mirrors, shb_vec3 columns[3]) {
+    const double sign = mirrors ? -1 : 1;
     const shb_vec3 x = {a->m[0], a->m[1], a->m[2]};
     const shb_vec3 y = {a->m[4], a->m[5], a->m[6]};
     const shb_vec3 z = {a->m[8], a->m[9], a->m[10]};
-    const shb_vec3 sum = shb_vec3_add(shb_vec3_add(shb_vec3_scale(shb_vec3_cross(y, z), n.x),
-                                                   shb_vec3_scale(shb_vec3_cross(z, x), n.y)),
-                                      shb_vec3_scale(shb_vec3_cross(x, y), n.z));
-    return shb_vec3_scale(sum, mirrors ? -1 : 1);
+    columns[0] = shb_vec3_scale(shb_vec3_cross(y, z), sign);
+    columns[1] = shb_vec3_scale(shb_vec3_cross(z, x), sign);
+    columns[2] = shb_vec3_scale(shb_vec3_cross(x, y), sign);
+}
+
+static shb_vec3 transform_normal(const shb_vec3 columns[3], shb_vec3 n) {
+    return (shb_vec3){columns[0].x * n.x + columns[1].x * n.y + columns[2].x * n.z,
+                      columns[0].y * n.x + columns[1].y * n.y + columns[2].y * n.z,
+                      columns[0].z * n.x + columns[1].z * n.y + columns[2].z * n.z};
 }
 
 static shb_vec3 front_normal(const shb_vec3 corners[3], bool mirrors) {
@@ -74,6 +80,18 @@ static void prepare_weights(const shb_view *camera, shb_surface_triangle *triang
             triangle->cofactors[k] = shb_vec3_scale(triangle->cofactors[k], -1);
 }
 
+static void prepare_shading(const shb_mesh *mesh, const uint32_t vertices[3],
+                            const shb_mat4 *transform, shb_surface_triangle *triangle) {
+    triangle->has_normals = mesh->normals != NULL;
+    if (!triangle->has_normals)
+        return;
+    shb_vec3 columns[3];
+    normal_columns(transform, shb_transform_mirrors(transform), columns);
+    for (int k = 0; k < 3; k++)
+        triangle->shading[k] =
+            transform_normal(columns, from_floats(shb_mesh_normal(mesh, vertices[k])));
+}
+
 bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_t id,
                          shb_surface_triangle *triangle) {
     uint32_t local = id;
@@ -85,8 +103,6 @@ bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_
     const bool mirrors = shb_transform_mirrors(&transform);
     uint32_t vertices[3];
     shb_mesh_triangle(mesh, local, vertices);
-    triangle->id = id;
-    triangle->has_normals = mesh->normals != NULL;
     for (int k = 0; k < 3; k++) {
         if (vertices[k] >= mesh->vertex_count)
             return false;
@@ -94,12 +110,11 @@ bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_
         triangle->corners[k] = shb_mat4_transform_point(transform, position);
         if (!shb_vec3_is_finite(triangle->corners[k]))
             return false;
-        if (triangle->has_normals)
-            triangle->shading[k] = transform_normal(
-                &transform, mirrors, from_floats(shb_mesh_normal(mesh, vertices[k])));
     }
+    triangle->id = id;
     triangle->normal = front_normal(triangle->corners, mirrors);
     prepare_weights(camera, triangle);
+    prepare_shading(mesh, vertices, &transform, triangle);
     return true;
 }
 
@@ -165,8 +180,10 @@ void shb_surface_weights(const shb_surface_triangle *triangle, uint32_t width, u
                          uint32_t column, uint32_t row, double weights[3]) {
     const shb_vec3 center = {(2.0 * column + 1 - width) / width, (height - 2.0 * row - 1) / height,
                              1};
-    for (int k = 0; k < 3; k++)
-        weights[k] = shb_vec3_dot(triangle->cofactors[k], center);
+    for (int k = 0; k < 3; k++) {
+        const shb_vec3 *line = &triangle->cofactors[k];
+        weights[k] = line->x * center.x + line->y * center.y + line->z;
+    }
     const double sum = weights[0] + weights[1] + weights[2];
     const bool inside = weights[0] >= 0 && weights[1] >= 0 && weights[2] >= 0;
     if (!inside || !(sum > 0) || !isfinite(sum)) {
@@ -177,12 +194,28 @@ void shb_surface_weights(const shb_surface_triangle *triangle, uint32_t width, u
         weights[k] /= sum;
 }
 
+/* Differences first: exact where the vectors are large and near to each other. */
+static shb_vec3 combine(const shb_vec3 v[3], const double weights[3]) {
+    const double b = weights[1], c = weights[2];
+    return (shb_vec3){v[0].x + (b * (v[1].x - v[0].x) + c * (v[2].x - v[0].x)),
+                      v[0].y + (b * (v[1].y - v[0].y) + c * (v[2].y - v[0].y)),
+                      v[0].z + (b * (v[1].z - v[0].z) + c * (v[2].z - v[0].z))};
+}
+
 shb_vec3 shb_surface_point(const shb_surface_triangle *triangle, const double weights[3]) {
-    const shb_vec3 *corners = triangle->corners;
-    const shb_vec3 edge_1 = shb_vec3_subtract(corners[1], corners[0]);
-    const shb_vec3 edge_2 = shb_vec3_subtract(corners[2], corners[0]);
-    return shb_vec3_add(corners[0], shb_vec3_add(shb_vec3_scale(edge_1, weights[1]),
-                                                 shb_vec3_scale(edge_2, weights[2])));
+    return combine(triangle->corners, weights);
+}
+
+shb_vec3 shb_surface_shading_normal(const shb_surface_triangle *triangle, const double weights[3]) {
+    const shb_vec3 n = triangle->normal;
+    if (!triangle->has_normals)
+        return n;
+    const shb_vec3 sum = combine(triangle->shading, weights);
+    const double length = sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
+    if (!(length > 0 && isfinite(length)))
+        return n;
+    const double side = n.x * sum.x + n.y * sum.y + n.z * sum.z < 0 ? -1 : 1;
+    return shb_vec3_scale(sum, side / length);
 }
 
 bool shb_surface_faces(const shb_surface_triangle *triangle, const shb_light_source *eye) {

@@ -28,6 +28,10 @@ void shb_surface_weights(const shb_surface_triangle *triangle, uint32_t width, u
 /* The point of these weights. */
 shb_vec3 shb_surface_point(const shb_surface_triangle *triangle, const double weights[3]);
 
+/* The mesh's normal at these weights as a unit vector, turned to the side of the triangle's own;
+ * that one where the mesh has none. */
+shb_vec3 shb_surface_shading_normal(const shb_surface_triangle *triangle, const double weights[3]);
+
 /* True if the eye of the camera lies on the side that the normal points to. */
 bool shb_surface_faces(const shb_surface_triangle *triangle, const shb_light_source *eye);
 
