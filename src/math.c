@@ -158,14 +158,9 @@ shb_mat4 shb_mat4_look_at(shb_vec3 eye, shb_vec3 target, shb_vec3 up) {
 shb_mat4 shb_mat4_frustum(double half_width, double half_height, double near_distance,
                           double far_distance, bool reversed) {
     const double n = near_distance, f = far_distance;
-    double scale, offset;
-    if (reversed) {
-        scale = isinf(f) ? 0 : n / (f - n);
-        offset = isinf(f) ? n : n * (f / (f - n));
-    } else {
-        scale = isinf(f) ? -1 : -f / (f - n);
-        offset = n * scale;
-    }
+    const double ratio = isinf(f) ? 1 : f / (f - n);
+    const double scale = reversed ? n / (f - n) : -ratio;
+    const double offset = reversed ? n * ratio : -n * ratio;
     return (shb_mat4){
         {1 / half_width, 0, 0, 0, 0, 1 / half_height, 0, 0, 0, 0, scale, -1, 0, 0, offset, 0}};
 }

@@ -121,7 +121,6 @@ shb_result shb_view_fit_directional(shb_vec3 to_light, shb_box bounds, uint32_t 
     const shb_vec3 centre = shb_mat4_transform_point(rotation, box_centre(bounds));
 
     double radius = larger(extent_along(&rotation, 0, half), extent_along(&rotation, 1, half));
-    radius = larger(radius, 0x1p-20 * largest_size(half));
     radius = larger(radius, THINNEST * largest_size(centre));
     if (radius == 0)
         radius = 1;
@@ -136,11 +135,6 @@ shb_result shb_view_fit_directional(shb_vec3 to_light, shb_box bounds, uint32_t 
                                                       -centre.z + depth, reversed);
     return finish(shb_mat4_multiply(projection, shb_mat4_translation(-x, -y, 0)), rotation,
                   reversed, view);
-}
-
-static bool is_inside(shb_box box, shb_vec3 p) {
-    return box.lo.x <= p.x && p.x <= box.hi.x && box.lo.y <= p.y && p.y <= box.hi.y &&
-           box.lo.z <= p.z && p.z <= box.hi.z;
 }
 
 /* What a box looks like from a point: half opening (a tangent) and the distances along the axis. */
@@ -167,17 +161,16 @@ shb_result shb_view_fit_spot(shb_vec3 position, shb_box bounds, uint32_t map_siz
     const shb_result result = check_fit(position, bounds, map_size, view);
     if (result)
         return result;
-    if (is_inside(bounds, position))
-        return SHB_ERROR_ARGUMENT;
     const shb_mat4 eye_from_world = shb_mat4_look_at(position, box_centre(bounds), no_up);
     const box_appearance seen = look_at_box(&eye_from_world, bounds);
     const double texels = (double)map_size;
     const double tangent = larger(seen.tangent, THINNEST) * (texels / (texels - 2 * MARGIN_TEXELS));
     const double widest = 11.430052302761343; /* tan 85 degrees */
+    /* Seen from inside, a box has a corner beside or behind the eye. */
     if (!(seen.nearest > 0 && tangent <= widest))
         return SHB_ERROR_ARGUMENT;
     /* Two texels in depth as well, as a part of the distance, but never down to the light. */
-    const double margin = larger(MARGIN_TEXELS * 2 * tangent / texels, 0x1p-40);
+    const double margin = MARGIN_TEXELS * 2 * tangent / texels;
     const double near_distance = seen.nearest * (1 - (margin < 0.5 ? margin : 0.5));
     const double far_distance = seen.farthest * (1 + margin);
     return finish(shb_mat4_frustum(tangent, tangent, near_distance, far_distance, reversed),

@@ -190,6 +190,18 @@ TEST(memory_is_aligned_and_overflow_is_refused) {
     shb_context_destroy(context);
 }
 
+static void *refuse_zero(void *user, size_t size, size_t alignment) {
+    (void)alignment;
+    return size ? user : NULL;
+}
+
+TEST(zero_bytes_are_never_asked_for) {
+    char memory = 0;
+    const shb_context context = {.allocator = {.alloc = refuse_zero, .user = &memory}};
+    CHECK(shb_alloc(&context, 0, 8) == &memory);
+    CHECK(shb_alloc(&context, 8, 0) == &memory);
+}
+
 TEST(buffer_grows_only_when_it_must) {
     test_allocator state = {0};
     const shb_context_desc desc = {.allocator = test_allocator_hooks(&state), .threads = 1};

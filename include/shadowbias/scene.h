@@ -49,11 +49,13 @@ shb_result shb_scene_validate(const shb_scene *scene);
 /* The number of triangles; 0 for a scene that drawing would refuse. */
 uint64_t shb_scene_triangle_count(const shb_scene *scene);
 
-/* The box around all finite vertices that a triangle uses, in world units; empty if there are none. */
+/* The box around all finite vertices that a triangle uses, in world units; empty if there are none.
+ * Errors as shb_scene_validate. */
 shb_result shb_scene_bounds(const shb_scene *scene, shb_box *bounds);
 
 /* The three corners of a triangle in world units, in mesh order: float position times transform, in
- * double. SHB_ERROR_ARGUMENT if the scene has no such id. Cost grows with the number of instances. */
+ * double. SHB_ERROR_ARGUMENT if the scene has no such id or an index of the triangle is out of range.
+ * Cost grows with the number of instances. */
 shb_result shb_scene_triangle(const shb_scene *scene, uint32_t id, shb_vec3 corners[3]);
 
 #ifdef __cplusplus

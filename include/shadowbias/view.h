@@ -31,15 +31,16 @@ shb_result shb_view_orthographic(shb_vec3 eye, shb_vec3 target, shb_vec3 up, dou
 /* A directional light over the bounds: a square orthographic frustum that holds the box, with a
  * margin of two texels. to_light points from the scene to the light. The frustum's size is rounded up
  * and its origin snapped to whole texels, so that small moves of the box leave the texel grid where
- * it is in the world (no crawling edges). map_size in texels, 8 .. SHB_SIZE_MAX.
- * SHB_ERROR_ARGUMENT for an empty box or a zero direction. */
+ * it is in the world (no crawling edges). A box without width gets a thin frustum of some size.
+ * map_size in texels, 8 .. SHB_SIZE_MAX, or SHB_ERROR_SIZE. SHB_ERROR_ARGUMENT for an empty box or a
+ * zero direction, SHB_ERROR_NUMBER for a number that is not finite or too large. */
 shb_result shb_view_fit_directional(shb_vec3 to_light, shb_box bounds, uint32_t map_size,
                                     bool reversed, shb_view *view);
 
 /* A spot light at position that sees the whole box: looks at the box's centre, the opening angle and
  * the near and far distances are the smallest that hold the box, with a margin of two texels.
  * SHB_ERROR_ARGUMENT if the position lies inside the box or so close that the opening angle would
- * exceed 170 degrees: use shb_view_perspective then. */
+ * exceed 170 degrees: use shb_view_perspective then. Other errors as above. */
 shb_result shb_view_fit_spot(shb_vec3 position, shb_box bounds, uint32_t map_size, bool reversed,
                              shb_view *view);
 
