@@ -17,14 +17,16 @@ extern "C" {
 typedef struct shb_reference shb_reference;
 
 /* Copies the scene's triangles in world units (double) and builds the hierarchy. Culling does not
- * matter: every triangle casts a shadow. */
+ * matter: every triangle casts a shadow. Errors: those of shb_scene_validate, SHB_ERROR_SIZE above
+ * 2^30 triangles, SHB_ERROR_MEMORY. The reference must be destroyed before its context. */
 shb_result shb_reference_create(shb_context *context, const shb_scene *scene,
                                 shb_reference **reference);
 void shb_reference_destroy(shb_reference *reference);
 
 /* occluded[i] = 1 if a triangle other than own_ids[i] lies between points[i] and the light, else 0.
  * own_ids may be NULL or hold SHB_ID_NONE: nothing is left out. Watertight: a ray through a shared
- * edge or corner hits. A point that is not finite gives 0. Works on the context's threads. */
+ * edge or corner hits. A point that is not finite gives 0. Works on the context's threads.
+ * SHB_ERROR_NUMBER if the light is not finite, a zero direction, or its w is neither 0 nor 1. */
 shb_result shb_reference_occluded(const shb_reference *reference, const shb_light_source *light,
                                   size_t count, const shb_vec3 *points, const uint32_t *own_ids,
                                   uint8_t *occluded);
@@ -50,7 +52,11 @@ typedef struct shb_classify_desc {
  * the light sees them; vertices are welded where their positions are equal) onto a receiver behind
  * it: the flag is set if such an edge, nearer to the light than the fragment's plane, passes within
  * one texel (larger of both axes) of the fragment in the map. Contact lines and creases, where the
- * edge touches the receiver, are no boundaries: errors there are the bias's own. */
+ * edge touches the receiver, are no boundaries: errors there are the bias's own. An edge touches if
+ * it lies no higher above the plane than 2^-20 of the largest coordinate of both.
+ * The frame's scene must be the reference's, or SHB_ERROR_ARGUMENT where the numbers of triangles
+ * tell. The other errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE, SHB_ERROR_NUMBER, SHB_ERROR_MEMORY;
+ * truth is untouched then. */
 shb_result shb_reference_classify(const shb_reference *reference, const shb_classify_desc *desc,
                                   uint8_t *truth);
 
@@ -65,7 +71,8 @@ typedef struct shb_errors {
     double boundary_ppm;                  /* both boundary errors per million of all fragments */
 } shb_errors;
 
-/* truth and visibility hold count elements in the same order. */
+/* truth and visibility hold count elements in the same order; those whose truth is SHB_TRUTH_NONE are
+ * skipped. */
 shb_result shb_errors_measure(size_t count, const uint8_t *truth, const float *visibility,
                               shb_errors *errors);
 
@@ -88,6 +95,8 @@ typedef struct shb_detachment {
     uint32_t probed;  /* samples that truly are in shadow */
 } shb_detachment;
 
+/* SHB_ERROR_ARGUMENT if a pointer is NULL, direction is no unit vector, or contact lies behind the
+ * light; SHB_ERROR_NUMBER, SHB_ERROR_SIZE; else as shb_map_visibility. */
 shb_result shb_detachment_measure(const shb_reference *reference, const shb_detachment_desc *desc,
                                   shb_detachment *detachment);
 
