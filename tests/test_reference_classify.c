@@ -239,7 +239,7 @@ TEST(the_outline_under_a_point_light_is_the_boundary) {
     add_sheet(&s, -20, -20, 20, 20, 40);
     shb_view light;
     CHECK_INT(shb_view_perspective((shb_vec3){0, 0, 32}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0},
-                                   1.5707963267948966, 1, 1, INFINITY, true, &light),
+                                   1.5707963267948966, 1, 1, HUGE_VAL, true, &light),
               SHB_OK);
     check_scene(&s, view_from_height(5), light, 128, under_point_light);
 }
@@ -550,7 +550,7 @@ TEST(classification_refuses_bad_arguments) {
     bad[4].frame.id_stride = 4 * PIXELS - 4;
     bad[5].frame.id_stride = 4 * PIXELS + 2;
     bad[6].min_cosine = -0.1;
-    bad[7].min_cosine = NAN;
+    bad[7].min_cosine = (double)NAN;
     bad[8].frame.scene = soup_scene(&other);
     bad[9].frame.width = 0;
     bad[10].frame.height = 0;

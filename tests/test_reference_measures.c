@@ -177,9 +177,9 @@ TEST(detachment_refuses_bad_arguments) {
     bad[0].map = NULL;
     bad[1].bias = NULL;
     bad[2].direction = (shb_vec3){-1.001, 0, 0};
-    bad[3].direction.y = NAN;
-    bad[4].contact.x = INFINITY;
-    bad[5].normal.z = NAN;
+    bad[3].direction.y = (double)NAN;
+    bad[4].contact.x = HUGE_VAL;
+    bad[5].normal.z = (double)NAN;
     bad[6].length = 0;
     bad[7].samples = 0;
     bad[8].samples = (1u << 20) + 1;

@@ -170,13 +170,13 @@ static int slowly_blocked(const shb_vec3 corners[3], const double origin[3],
                           const double direction[3], double limit) {
     wide p[3][3], o[3], d[3], e[3], f[3], g[3], h[3], q[3];
     for (int k = 0; k < 3; k++) {
-        p[k][0] = corners[k].x;
-        p[k][1] = corners[k].y;
-        p[k][2] = corners[k].z;
+        p[k][0] = (wide)corners[k].x;
+        p[k][1] = (wide)corners[k].y;
+        p[k][2] = (wide)corners[k].z;
     }
     for (int i = 0; i < 3; i++) {
-        o[i] = origin[i];
-        d[i] = direction[i];
+        o[i] = (wide)origin[i];
+        d[i] = (wide)direction[i];
         e[i] = p[1][i] - p[0][i];
         f[i] = p[2][i] - p[0][i];
         g[i] = o[i] - p[0][i];
@@ -515,8 +515,8 @@ TEST(triangles_that_are_not_finite_are_left_out_and_ids_stay) {
     const shb_light_source light = light_along(0, 0, 1);
     CHECK_INT(occluded(t.reference, light, (shb_vec3){0, 0, 0}, 0), 1);
     CHECK_INT(occluded(t.reference, light, (shb_vec3){0, 0, 0}, 2), 0);
-    CHECK_INT(occluded(t.reference, light, (shb_vec3){NAN, 0, 0}, SHB_ID_NONE), 0);
-    CHECK_INT(occluded(t.reference, light, (shb_vec3){0, 0, -INFINITY}, SHB_ID_NONE), 0);
+    CHECK_INT(occluded(t.reference, light, (shb_vec3){(double)NAN, 0, 0}, SHB_ID_NONE), 0);
+    CHECK_INT(occluded(t.reference, light, (shb_vec3){0, 0, -HUGE_VAL}, SHB_ID_NONE), 0);
     setup_end(&t);
     soup_free(&s);
 }
@@ -666,8 +666,10 @@ TEST(occlusion_refuses_bad_arguments) {
               SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_reference_occluded(t.reference, &good, 1, &point, NULL, NULL),
               SHB_ERROR_ARGUMENT);
-    const shb_light_source bad[4] = {
-        light_along(0, 0, 0), light_along(NAN, 0, 1), light_at(0, INFINITY, 0), {{1, 1, 1}, 0.5}};
+    const shb_light_source bad[4] = {light_along(0, 0, 0),
+                                     light_along((double)NAN, 0, 1),
+                                     light_at(0, HUGE_VAL, 0),
+                                     {{1, 1, 1}, 0.5}};
     for (int i = 0; i < 4; i++)
         CHECK_INT(shb_reference_occluded(t.reference, &bad[i], 1, &point, NULL, &result),
                   SHB_ERROR_NUMBER);

@@ -152,7 +152,7 @@ static cut find_cut(const primitive *primitives, uint32_t count) {
                             middle(&primitives[i], 2)};
         grow(&middles, m, m);
     }
-    cut best = {.axis = -1, .cost = INFINITY};
+    cut best = {.axis = -1, .cost = HUGE_VAL};
     for (int axis = 0; axis < 3; axis++) {
         const float start = middles.box[0][axis], width = middles.box[1][axis] - start;
         const float scale = BINS / width;
@@ -192,7 +192,7 @@ static uint32_t divide(const builder *b, const subtree *tree) {
     }
     if (count == 1)
         return 0;
-    cut best = {.axis = -1, .cost = INFINITY};
+    cut best = {.axis = -1, .cost = HUGE_VAL};
     if (tree->depth < HEURISTIC_DEPTH)
         best = find_cut(primitives, count);
     /* visiting a node costs about as much as one triangle */

@@ -37,7 +37,7 @@ bool shb_ray_to_light(const shb_light_source *light, shb_vec3 point, shb_ray *ra
         if (fabs(ray->direction[i]) > fabs(ray->direction[major]))
             major = i;
     }
-    ray->limit = directional ? INFINITY : 1;
+    ray->limit = directional ? HUGE_VAL : 1;
     for (int i = 0; i < 3; i++)
         ray->axis[i] = (major + 1 + i) % 3;
     for (int i = 0; i < 2; i++)
@@ -159,7 +159,7 @@ static range range_of_plane(const shb_ray *ray, const shb_triangle *triangle,
     }
     const double least_slope = fabs(slope) - slope_error;
     if (!(least_slope > 0))
-        return (range){-INFINITY, INFINITY};
+        return (range){-HUGE_VAL, HUGE_VAL};
     const double at = distance / slope;
     const double error =
         (distance_error + fabs(at) * slope_error) / least_slope + 4 * ROUNDING * fabs(at);

@@ -12,7 +12,7 @@ typedef struct shb_triangle {
 
 typedef struct shb_ray {
     double origin[3], direction[3];
-    double limit;    /* parameter of the light: 1 for a point, INFINITY for a direction */
+    double limit;    /* parameter of the light: 1 for a point, infinite for a direction */
     int axis[3];     /* axis[2]: the one that the ray follows most; axis[0], axis[1]: the others */
     double shear[2]; /* direction along axis[0], axis[1] per direction along axis[2] */
 } shb_ray;
