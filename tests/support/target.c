@@ -1,0 +1,64 @@
+#include "target.h"
+
+#include "test.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+test_target test_target_create(uint32_t width, uint32_t height) {
+    const size_t count = (size_t)width * height;
+    test_target target = {width, height, malloc(count * 4), malloc(count * 4), malloc(count * 4)};
+    memset(target.depth, 0xa5, count * 4);
+    memset(target.second, 0xa5, count * 4);
+    memset(target.ids, 0xa5, count * 4);
+    return target;
+}
+
+void test_target_destroy(test_target *target) {
+    free(target->depth);
+    free(target->second);
+    free(target->ids);
+}
+
+bool test_target_equal(const test_target *a, const test_target *b) {
+    const size_t bytes = (size_t)a->width * a->height * 4;
+    return memcmp(a->depth, b->depth, bytes) == 0 && memcmp(a->second, b->second, bytes) == 0 &&
+           memcmp(a->ids, b->ids, bytes) == 0;
+}
+
+shb_draw_desc test_target_desc(const test_target *target, const shb_view *view,
+                               const shb_scene *scene) {
+    return (shb_draw_desc){
+        .view = view,
+        .scene = scene,
+        .width = target->width,
+        .height = target->height,
+        .depth = {target->depth, 0, SHB_FORMAT_FLOAT32},
+        .second = {target->second, 0, SHB_FORMAT_FLOAT32},
+        .ids = target->ids,
+    };
+}
+
+shb_draw_stats test_target_draw(const test_target *target, shb_context *context,
+                                const shb_view *view, const shb_scene *scene, uint32_t tile_size) {
+    shb_draw_desc desc = test_target_desc(target, view, scene);
+    desc.tile_size = tile_size;
+    shb_draw_stats stats = {0};
+    CHECK_INT(shb_draw(context, &desc, &stats), SHB_OK);
+    return stats;
+}
+
+shb_view test_pixel_view(uint32_t width, uint32_t height) {
+    shb_view view = {.clip_from_world = shb_mat4_identity()};
+    view.clip_from_world.m[0] = 2.0 / width;
+    view.clip_from_world.m[5] = -2.0 / height;
+    view.clip_from_world.m[12] = -1;
+    view.clip_from_world.m[13] = 1;
+    return view;
+}
+
+shb_context *test_context(uint32_t threads) {
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = threads}, &context), SHB_OK);
+    return context;
+}
