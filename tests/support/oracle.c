@@ -27,6 +27,13 @@ static void project_corner(oracle_triangle *triangle, int k) {
     triangle->snapped_y[k] = round_to_even(256 * triangle->Y[k]);
 }
 
+static void cross_corners(oracle_triangle *t, int k) {
+    const double *p = t->clip[(k + 1) % 3], *q = t->clip[(k + 2) % 3];
+    t->opposite[k][0] = (oracle_real)p[1] * q[3] - (oracle_real)p[3] * q[1];
+    t->opposite[k][1] = (oracle_real)p[3] * q[0] - (oracle_real)p[0] * q[3];
+    t->opposite[k][2] = (oracle_real)p[0] * q[1] - (oracle_real)p[1] * q[0];
+}
+
 oracle_triangle oracle_project(const shb_view *view, uint32_t width, uint32_t height,
                                const float corners[9]) {
     oracle_triangle triangle = {.width = width, .height = height, .is_finite = true};
@@ -49,6 +56,8 @@ oracle_triangle oracle_project(const shb_view *view, uint32_t width, uint32_t he
         triangle.needs_clipping |=
             !is_in_guard_band(triangle.X[k]) || !is_in_guard_band(triangle.Y[k]);
     }
+    for (int k = 0; k < 3; k++)
+        cross_corners(&triangle, k);
     return triangle;
 }
 
@@ -98,20 +107,16 @@ oracle_real oracle_depth(const oracle_triangle *t, int column, int row) {
 }
 
 /* Weights of the three corners whose sum has x / w and y / w of the sample. */
-static void clip_weights(const oracle_triangle *t, oracle_real px, oracle_real py,
-                         oracle_real weights[3]) {
-    const oracle_real u = 2 * px / t->width - 1, v = 1 - 2 * py / t->height;
-    for (int k = 0; k < 3; k++) {
-        const double *p = t->clip[(k + 1) % 3], *q = t->clip[(k + 2) % 3];
-        weights[k] = u * ((oracle_real)p[1] * q[3] - (oracle_real)p[3] * q[1]) +
-                     v * ((oracle_real)p[3] * q[0] - (oracle_real)p[0] * q[3]) +
-                     ((oracle_real)p[0] * q[1] - (oracle_real)p[1] * q[0]);
-    }
+static void clip_weights(const oracle_triangle *t, int column, int row, oracle_real weights[3]) {
+    const oracle_real u = (oracle_real)(2 * column + 1) / t->width - 1;
+    const oracle_real v = 1 - (oracle_real)(2 * row + 1) / t->height;
+    for (int k = 0; k < 3; k++)
+        weights[k] = u * t->opposite[k][0] + v * t->opposite[k][1] + t->opposite[k][2];
 }
 
 oracle_real oracle_clip_depth(const oracle_triangle *t, int column, int row) {
     oracle_real weights[3], z = 0, w = 0;
-    clip_weights(t, column + 0.5, row + 0.5, weights);
+    clip_weights(t, column, row, weights);
     for (int k = 0; k < 3; k++) {
         z += weights[k] * t->clip[k][2];
         w += weights[k] * t->clip[k][3];
@@ -120,21 +125,18 @@ oracle_real oracle_clip_depth(const oracle_triangle *t, int column, int row) {
 }
 
 double oracle_clip_inside(const oracle_triangle *t, int column, int row) {
-    oracle_real here[3], right[3], below[3];
-    clip_weights(t, column + 0.5, row + 0.5, here);
-    clip_weights(t, column + 1.5, row + 0.5, right);
-    clip_weights(t, column + 0.5, row + 1.5, below);
-    /* The weights' sum with w is the determinant, positive times its sign if the point is in front.
-     */
-    oracle_real w = 0;
+    oracle_real weights[3], w = 0;
+    clip_weights(t, column, row, weights);
     for (int k = 0; k < 3; k++)
-        w += here[k] * t->clip[k][3];
+        w += weights[k] * t->clip[k][3];
     double inside = 1e30;
     for (int k = 0; k < 3; k++) {
-        const double along_x = (double)(right[k] - here[k]), along_y = (double)(below[k] - here[k]);
-        const double length = sqrt(along_x * along_x + along_y * along_y);
-        const double signed_weight = w > 0 ? (double)here[k] : -(double)here[k];
-        const double distance = signed_weight / (length > 0 ? length : 1e-300);
+        /* Weights fall to 0 at the edge, by this much a pixel. All turn round behind the eye. */
+        const double x = 2 * (double)t->opposite[k][0] / t->width;
+        const double y = 2 * (double)t->opposite[k][1] / t->height;
+        const double slope = sqrt(x * x + y * y);
+        const double weight = w > 0 ? (double)weights[k] : -(double)weights[k];
+        const double distance = weight / (slope > 0 ? slope : 1e-300);
         inside = distance < inside ? distance : inside;
     }
     return inside;

@@ -18,6 +18,7 @@ typedef struct oracle_triangle {
     double clip[3][4];       /* canonical: z negated for a reversed view */
     double X[3], Y[3], Z[3]; /* window, canonical depth */
     int64_t snapped_x[3], snapped_y[3];
+    oracle_real opposite[3][3]; /* cross product of the other two corners' (x, y, w) */
 } oracle_triangle;
 
 /* corners: three times x, y, z in world units. */
