@@ -41,8 +41,9 @@ static void check_triangle(shb_context *context, const test_target *target, cons
     const shb_scene scene = {&instance, 1};
     counts->clipped += test_target_draw(target, context, view, &scene, 32).clipped;
     const oracle_triangle triangle = oracle_project(view, target->width, target->height, corners);
+    const uint32_t step = target->width > 1000 ? 11 : 1;
     for (uint32_t row = 0; row < target->height; row++)
-        for (uint32_t column = 0; column < target->width; column++)
+        for (uint32_t column = 0; column < target->width; column += step)
             check_sample(target, &triangle, view->reversed, column, row, counts);
 }
 
@@ -61,9 +62,9 @@ static void check_around_eye(double far_distance, bool reversed) {
               SHB_OK);
     test_random random = {11};
     shb_context *context = test_context(1);
-    test_target target = test_target_create(60, 40);
+    test_target target = test_target_create(45, 30);
     clip_counts counts = {0};
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 120; i++) {
         float corners[9];
         const double size = exp(random_double(&random, log(0.3), log(30)));
         for (int k = 0; k < 9; k++)
@@ -104,7 +105,7 @@ static void check_huge(uint32_t width, uint32_t height, double reach, int count)
 }
 
 TEST(huge_triangles_are_cut_at_the_guard_band) {
-    check_huge(64, 32, 30000, 150);
+    check_huge(64, 32, 30000, 120);
     check_huge(50, 33, 1e7, 100);
     check_huge(50, 33, 1e30, 100);
     check_huge(16384, 2, 40000, 60);
