@@ -202,13 +202,13 @@ static uint64_t check_ground_once(test_random *random, uint32_t columns, uint32_
 TEST(a_clipped_mesh_covers_every_sample_once) {
     test_random random = {13};
     uint64_t clipped = 0;
-    for (int i = 0; i < 25; i++) {
+    for (int i = 0; i < 12; i++) {
         clipped += check_ground_once(&random, 2 + random_below(&random, 6),
                                      2 + random_below(&random, 6), 100);
         clipped += check_ground_once(&random, 120, 120, 6);
         clipped += check_ground_once(&random, 40, 40, 1e6);
     }
-    CHECK(clipped > 100);
+    CHECK(clipped > 50);
 }
 
 /* Cells larger than the guard band around cells that fit it: edges are cut on both of their sides.
