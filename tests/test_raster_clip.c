@@ -79,8 +79,8 @@ static void check_around_eye(double far_distance, bool reversed) {
 TEST(triangles_around_the_eye_are_cut_at_the_near_plane) {
     check_around_eye(20, false);
     check_around_eye(20, true);
-    check_around_eye(INFINITY, false);
-    check_around_eye(INFINITY, true);
+    check_around_eye(HUGE_VAL, false);
+    check_around_eye(HUGE_VAL, true);
 }
 
 /* Corners up to reach pixels away, so that the triangle leaves the guard band. */
@@ -152,8 +152,8 @@ static void check_ground(double far_distance, bool reversed) {
 TEST(ground_under_the_eye_has_its_analytic_depth) {
     check_ground(8, false);
     check_ground(8, true);
-    check_ground(INFINITY, false);
-    check_ground(INFINITY, true);
+    check_ground(HUGE_VAL, false);
+    check_ground(HUGE_VAL, true);
 }
 
 /* The ground seen from above it, with fine and coarse cells all around and behind the eye. Samples
@@ -165,7 +165,7 @@ static uint64_t check_ground_once(test_random *random, uint32_t columns, uint32_
     const shb_vec3 eye = {random_double(random, -1, 1), h, random_double(random, -1, 1)};
     const shb_vec3 to = {eye.x + 0.3, h - 0.3, eye.z - 1};
     CHECK_INT(
-        shb_view_perspective(eye, to, (shb_vec3){0.1, 1, 0}, 1.4, 1.5, 0.25, INFINITY, true, &view),
+        shb_view_perspective(eye, to, (shb_vec3){0.1, 1, 0}, 1.4, 1.5, 0.25, HUGE_VAL, true, &view),
         SHB_OK);
     test_grid grid = test_grid_create(random, columns, rows, -reach, -reach, reach, reach);
     for (uint32_t i = 0; i < grid.mesh.vertex_count; i++) {

@@ -20,8 +20,8 @@ static double magnitude(oracle_real v) {
 }
 
 static oracle_real clamped(const oracle_triangle *t, oracle_real z) {
-    const double lo = fmin(t->Z[0], fmin(t->Z[1], t->Z[2]));
-    const double hi = fmax(t->Z[0], fmax(t->Z[1], t->Z[2]));
+    const oracle_real lo = oracle_exact(fmin(t->Z[0], fmin(t->Z[1], t->Z[2])));
+    const oracle_real hi = oracle_exact(fmax(t->Z[0], fmax(t->Z[1], t->Z[2])));
     return z < lo ? lo : z > hi ? hi : z;
 }
 
@@ -31,13 +31,13 @@ static void check_bound(const oracle_triangle *triangle, int column, int row, fl
                         seen_samples *seen) {
     const oracle_real z = oracle_depth(triangle, column, row);
     if (oracle_is_plain(triangle)) {
-        const double error = magnitude((oracle_real)stored - z) / (UNIT * magnitude(z));
+        const double error = magnitude(oracle_exact((double)stored) - z) / (UNIT * magnitude(z));
         test_check(error <= 5, __FILE__, __LINE__, "plain depth is %g units off", error);
         seen->worst_plain = fmax(seen->worst_plain, error);
         seen->plain++;
     } else {
         const oracle_real expected = clamped(triangle, z);
-        const double error = magnitude((oracle_real)stored - expected);
+        const double error = magnitude(oracle_exact((double)stored) - expected);
         test_check(error <= UNIT * magnitude(expected) + 1e-12, __FILE__, __LINE__,
                    "careful depth %g is %g off", (double)stored, error);
         seen->careful++;
@@ -259,8 +259,8 @@ static void check_perspective(double far_distance, bool reversed) {
 TEST(perspective_depth_is_within_its_bound) {
     check_perspective(50, false);
     check_perspective(50, true);
-    check_perspective(INFINITY, false);
-    check_perspective(INFINITY, true);
+    check_perspective(HUGE_VAL, false);
+    check_perspective(HUGE_VAL, true);
 }
 
 TEST(depth_of_hand_examples) {

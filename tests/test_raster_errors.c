@@ -107,15 +107,15 @@ TEST(wrong_fields_are_refused_by_name) {
     CHECK_REFUSED(desc.tile_size, 8, SHB_ERROR_ARGUMENT, "desc.tile_size 8");
     CHECK_REFUSED(desc.tile_size, 48, SHB_ERROR_ARGUMENT, "desc.tile_size 48");
     CHECK_REFUSED(desc.tile_size, 1024, SHB_ERROR_ARGUMENT, "desc.tile_size 1024");
-    CHECK_REFUSED(view.clip_from_world.m[7], NAN, SHB_ERROR_NUMBER, "desc.view");
-    CHECK_REFUSED(view.clip_from_world.m[0], INFINITY, SHB_ERROR_NUMBER, "desc.view");
+    CHECK_REFUSED(view.clip_from_world.m[7], (double)NAN, SHB_ERROR_NUMBER, "desc.view");
+    CHECK_REFUSED(view.clip_from_world.m[0], HUGE_VAL, SHB_ERROR_NUMBER, "desc.view");
 }
 
 TEST(wrong_scenes_are_refused) {
     CHECK_REFUSED(scene.instances, NULL, SHB_ERROR_ARGUMENT, "desc.scene");
     CHECK_REFUSED(instance.mesh, NULL, SHB_ERROR_ARGUMENT, "desc.scene");
     CHECK_REFUSED(instance.cull, (shb_cull)7, SHB_ERROR_ARGUMENT, "desc.scene");
-    CHECK_REFUSED(instance.world_from_mesh.m[12], NAN, SHB_ERROR_NUMBER, "desc.scene");
+    CHECK_REFUSED(instance.world_from_mesh.m[12], (double)NAN, SHB_ERROR_NUMBER, "desc.scene");
     CHECK_REFUSED(mesh.positions, NULL, SHB_ERROR_ARGUMENT, "desc.scene");
     CHECK_REFUSED(mesh.vertex_count, 2, SHB_ERROR_ARGUMENT, "desc.scene");
     CHECK_REFUSED(mesh.position_stride, 13, SHB_ERROR_ARGUMENT, "desc.scene");

@@ -114,7 +114,7 @@ TEST(layers_of_clipped_triangles_are_distinct_triangles) {
                                .triangle_count = TRIANGLES};
         shb_view view;
         CHECK_INT(shb_view_perspective((shb_vec3){0, 0, 0}, (shb_vec3){1, 0.1, 0.2},
-                                       (shb_vec3){0, 1, 0}, 1.3, 1.7, 0.1, round % 3 ? 9 : INFINITY,
+                                       (shb_vec3){0, 1, 0}, 1.3, 1.7, 0.1, round % 3 ? 9 : HUGE_VAL,
                                        round % 2, &view),
                   SHB_OK);
         check_layers(&view, &mesh);

@@ -198,7 +198,8 @@ TEST(a_large_scene_keeps_its_ids_across_tasks) {
     enum { CELLS = 5000, INSTANCES = 3 };
     static float positions[9 * CELLS];
     for (int i = 0; i < CELLS; i++) {
-        /* Triangle i covers the sample i % SAMPLES alone: a corner before its centre, two behind. */
+        /* Triangle i covers the sample i % SAMPLES alone: a corner before its centre, two behind.
+         */
         const float x = (float)(i % SAMPLES % WIDTH), y = (float)(i % SAMPLES / WIDTH);
         const float z = 1 - (float)(i + 1) / (2 * CELLS);
         const float corners[9] = {x + 0.25f, y + 0.25f, z,        x + 1.2f, y + 0.25f,
@@ -292,7 +293,7 @@ TEST(nasty_vertices_draw_without_undefined_behaviour) {
     for (int reversed = 0; reversed < 2; reversed++) {
         shb_view view;
         CHECK_INT(shb_view_perspective((shb_vec3){0, 0, 0}, (shb_vec3){1, 1, 1},
-                                       (shb_vec3){0, 1, 0}, 1, 1, 1e-3, INFINITY, reversed, &view),
+                                       (shb_vec3){0, 1, 0}, 1, 1, 1e-3, HUGE_VAL, reversed, &view),
                   SHB_OK);
         const shb_draw_stats stats = stats_of(corners, COUNT, &view);
         CHECK_INT(stats.not_finite + stats.culled + stats.drawn, COUNT);

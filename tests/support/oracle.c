@@ -27,11 +27,15 @@ static void project_corner(oracle_triangle *triangle, int k) {
     triangle->snapped_y[k] = round_to_even(256 * triangle->Y[k]);
 }
 
+static oracle_real product(double a, double b) {
+    return oracle_exact(a) * oracle_exact(b);
+}
+
 static void cross_corners(oracle_triangle *t, int k) {
     const double *p = t->clip[(k + 1) % 3], *q = t->clip[(k + 2) % 3];
-    t->opposite[k][0] = (oracle_real)p[1] * q[3] - (oracle_real)p[3] * q[1];
-    t->opposite[k][1] = (oracle_real)p[3] * q[0] - (oracle_real)p[0] * q[3];
-    t->opposite[k][2] = (oracle_real)p[0] * q[1] - (oracle_real)p[1] * q[0];
+    t->opposite[k][0] = product(p[1], q[3]) - product(p[3], q[1]);
+    t->opposite[k][1] = product(p[3], q[0]) - product(p[0], q[3]);
+    t->opposite[k][2] = product(p[0], q[1]) - product(p[1], q[0]);
 }
 
 oracle_triangle oracle_project(const shb_view *view, uint32_t width, uint32_t height,
@@ -94,13 +98,15 @@ bool oracle_covers(const oracle_triangle *t, int column, int row) {
 
 /* Barycentric weights of the point; they need not lie within 0 .. 1. */
 oracle_real oracle_depth(const oracle_triangle *t, int column, int row) {
-    const oracle_real px = column + 0.5, py = row + 0.5;
-    oracle_real weighted = 0, total = 0;
+    oracle_real x[3], y[3], weighted = 0, total = 0;
+    for (int k = 0; k < 3; k++) {
+        x[k] = oracle_exact(t->X[k]) - oracle_exact(column + 0.5);
+        y[k] = oracle_exact(t->Y[k]) - oracle_exact(row + 0.5);
+    }
     for (int k = 0; k < 3; k++) {
         const int a = (k + 1) % 3, b = (k + 2) % 3;
-        const oracle_real weight = ((oracle_real)t->X[a] - px) * ((oracle_real)t->Y[b] - py) -
-                                   ((oracle_real)t->X[b] - px) * ((oracle_real)t->Y[a] - py);
-        weighted += weight * t->Z[k];
+        const oracle_real weight = x[a] * y[b] - x[b] * y[a];
+        weighted += weight * oracle_exact(t->Z[k]);
         total += weight;
     }
     return weighted / total;
@@ -118,8 +124,8 @@ oracle_real oracle_clip_depth(const oracle_triangle *t, int column, int row) {
     oracle_real weights[3], z = 0, w = 0;
     clip_weights(t, column, row, weights);
     for (int k = 0; k < 3; k++) {
-        z += weights[k] * t->clip[k][2];
-        w += weights[k] * t->clip[k][3];
+        z += weights[k] * oracle_exact(t->clip[k][2]);
+        w += weights[k] * oracle_exact(t->clip[k][3]);
     }
     return z / w;
 }
@@ -128,7 +134,7 @@ double oracle_clip_inside(const oracle_triangle *t, int column, int row) {
     oracle_real weights[3], w = 0;
     clip_weights(t, column, row, weights);
     for (int k = 0; k < 3; k++)
-        w += weights[k] * t->clip[k][3];
+        w += weights[k] * oracle_exact(t->clip[k][3]);
     double inside = 1e30;
     for (int k = 0; k < 3; k++) {
         /* Weights fall to 0 at the edge, by this much a pixel. All turn round behind the eye. */

@@ -11,6 +11,10 @@ __extension__ typedef __float128 oracle_real;
 typedef long double oracle_real;
 #endif
 
+static inline oracle_real oracle_exact(double v) {
+    return (oracle_real)v;
+}
+
 typedef struct oracle_triangle {
     uint32_t width, height;
     bool is_finite;
