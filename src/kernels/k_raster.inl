@@ -1,0 +1,181 @@
+/* A chunk of triangles into a tile: classes by size, each with a loop of its own.
+ *
+ * Before inclusion the instruction set's file has defined NARROW and WIDE (the numbers of lanes for
+ * small and for larger triangles) and included k_rows.inl for each of them. */
+
+/* How a triangle is drawn. 1 .. ROWS_MAX: plain, one narrow vector wide, that many rows. */
+enum {
+    CLASS_NONE = 0,
+    ROWS_MAX = 8,
+    CLASS_TINY,
+    CLASS_SMALL,
+    CLASS_SMALL_CAREFUL,
+    CLASS_LARGE,
+    CLASS_LARGE_CAREFUL
+};
+
+static void classify(int count, const shb_tile *tile, const chunk_boxes *boxes,
+                     const chunk_planes *planes, uint8_t classes[SHB_CHUNK]) {
+    int32_t wide[SHB_CHUNK];
+    for (int t = 0; t < count; t++) {
+        const int32_t x = boxes->x[t], y = boxes->y[t];
+        const int32_t width = boxes->width[t], height = boxes->height[t];
+        const int32_t rows_inside = (y >= tile->y0) & (y + height <= tile->y1);
+        const int32_t plain = planes->plain[t];
+        int32_t class = (width > SHB_SMALL) | (height > SHB_SMALL) ? CLASS_LARGE : CLASS_SMALL;
+        class += plain ? 0 : 1;
+        const int32_t in_rows = plain & rows_inside & (width <= NARROW) & (height <= ROWS_MAX) &
+                                (x >= tile->x0) & (x + width <= tile->x1);
+        class = in_rows ? height : class;
+        const int32_t tiny = in_rows & (width <= 2) & (height <= 2) & (x + 2 <= tile->x1) &
+                             (y + 2 <= tile->y1);
+        class = tiny ? CLASS_TINY : class;
+        wide[t] = boxes->kept[t] ? class : CLASS_NONE;
+    }
+    for (int t = 0; t < count; t++)
+        classes[t] = (uint8_t)wide[t];
+    memset(classes + count, CLASS_NONE, SHB_CHUNK - (size_t)count);
+}
+
+/* The four samples of each tiny triangle: its depth, or beyond the far depth where it is outside. */
+typedef struct tiny_samples {
+    SHB_ALIGN float depth[4][SHB_CHUNK];
+    int32_t any[SHB_CHUNK];
+} tiny_samples;
+
+static void sample_tiny(int count, const chunk_planes *planes, tiny_samples *samples) {
+    const float outside = 2.0f;
+    for (int t = 0; t < count; t++) {
+        const int32_t a = planes->edge[0][t], ax = planes->edge_x[0][t], ay = planes->edge_y[0][t];
+        const int32_t b = planes->edge[1][t], bx = planes->edge_x[1][t], by = planes->edge_y[1][t];
+        const int32_t c = planes->edge[2][t], cx = planes->edge_x[2][t], cy = planes->edge_y[2][t];
+        const int32_t e0 = a | b | c, e1 = (a + ax) | (b + bx) | (c + cx);
+        const int32_t e2 = (a + ay) | (b + by) | (c + cy);
+        const int32_t e3 = (a + ax + ay) | (b + bx + by) | (c + cx + cy);
+        const float upper = planes->depth[t], lower = upper + planes->depth_y[t];
+        samples->depth[0][t] = e0 < 0 ? outside : upper;
+        samples->depth[1][t] = e1 < 0 ? outside : upper + planes->depth_x[t];
+        samples->depth[2][t] = e2 < 0 ? outside : lower;
+        samples->depth[3][t] = e3 < 0 ? outside : lower + planes->depth_x[t];
+        samples->any[t] = (e0 & e1 & e2 & e3) >= 0;
+    }
+}
+
+static inline __attribute__((always_inline)) void
+merge_sample(const shb_tile *tile, int layers, ptrdiff_t at, float z, uint32_t id) {
+    const float nearest = tile->depth[at];
+    if (layers & LAYER_IDS) {
+        const bool wins = (z < nearest) | ((z == nearest) & ((int32_t)id < (int32_t)tile->ids[at]));
+        tile->ids[at] = wins ? id : tile->ids[at];
+    }
+    if (layers & LAYER_SECOND) {
+        const float loser = MAX(z, nearest);
+        tile->second[at] = MIN(loser, tile->second[at]);
+    }
+    tile->depth[at] = MIN(z, nearest);
+}
+
+static inline __attribute__((always_inline)) void
+draw_tiny(const shb_tile *tile, int layers, const chunk_boxes *boxes, const tiny_samples *samples,
+          int t, uint32_t id) {
+    const ptrdiff_t at = boxes->y[t] * tile->stride + boxes->x[t];
+    merge_sample(tile, layers, at, samples->depth[0][t], id);
+    merge_sample(tile, layers, at + 1, samples->depth[1][t], id);
+    merge_sample(tile, layers, at + tile->stride, samples->depth[2][t], id);
+    merge_sample(tile, layers, at + tile->stride + 1, samples->depth[3][t], id);
+}
+
+/* Calls draw for every triangle of the half chunk that is of the class. */
+#define FOR_CLASS(class, draw)                                                                     \
+    for (uint64_t members = wide_equal_bytes(classes + half, (class)); members;                    \
+         members &= members - 1) {                                                                 \
+        const int t = half + __builtin_ctzll(members);                                             \
+        const uint32_t id = chunk->id + (uint32_t)t;                                               \
+        draw;                                                                                      \
+    }
+
+#define NARROW_DRAW(name) SHB_JOIN(name, NARROW)
+#define WIDE_DRAW(name) SHB_JOIN(name, WIDE)
+#define DRAW_ROWS(rows)                                                                            \
+    FOR_CLASS(rows, NARROW_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, rows))
+
+static inline __attribute__((always_inline)) void
+draw_classes(const shb_chunk *chunk, const shb_tile *tile, int layers, const chunk_boxes *boxes,
+             const chunk_planes *planes, const tiny_samples *samples,
+             const uint8_t classes[SHB_CHUNK]) {
+    for (int half = 0; half < SHB_CHUNK; half += 64) {
+        FOR_CLASS(CLASS_TINY, draw_tiny(tile, layers, boxes, samples, t, id))
+        DRAW_ROWS(1)
+        DRAW_ROWS(2)
+        DRAW_ROWS(3)
+        DRAW_ROWS(4)
+        DRAW_ROWS(5)
+        DRAW_ROWS(6)
+        DRAW_ROWS(7)
+        DRAW_ROWS(8)
+        FOR_CLASS(CLASS_SMALL, WIDE_DRAW(draw_small)(tile, layers, boxes, planes, t, id, true))
+        FOR_CLASS(CLASS_SMALL_CAREFUL,
+                  WIDE_DRAW(draw_small)(tile, layers, boxes, planes, t, id, false))
+        FOR_CLASS(CLASS_LARGE, WIDE_DRAW(draw_large)(tile, layers, boxes, planes, t, id, true))
+        FOR_CLASS(CLASS_LARGE_CAREFUL,
+                  WIDE_DRAW(draw_large)(tile, layers, boxes, planes, t, id, false))
+    }
+}
+
+static bool any_kept(int count, const chunk_boxes *boxes) {
+    int32_t any = 0;
+    for (int t = 0; t < count; t++)
+        any |= boxes->kept[t];
+    return any != 0;
+}
+
+static void draw(const shb_chunk *chunk, const shb_tile *tile) {
+    const int count = (int)chunk->count;
+    chunk_corners corners;
+    chunk_boxes boxes;
+    chunk_planes planes;
+    tiny_samples samples;
+    uint8_t classes[SHB_CHUNK];
+    fetch_corners(chunk, &corners);
+    find_boxes(chunk, &corners, tile->x0, tile->y0, tile->x1, tile->y1, &boxes);
+    if (!any_kept(count, &boxes))
+        return;
+    set_up_edges(count, &boxes, &planes);
+    set_up_depths(count, &corners, &boxes, &planes);
+    classify(count, tile, &boxes, &planes, classes);
+    sample_tiny(count, &planes, &samples);
+    for (int t = 0; t < count; t++)
+        classes[t] = classes[t] == CLASS_TINY && !samples.any[t] ? CLASS_NONE : classes[t];
+    const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0);
+    switch (layers) {
+    case 0:
+        draw_classes(chunk, tile, 0, &boxes, &planes, &samples, classes);
+        break;
+    case LAYER_IDS:
+        draw_classes(chunk, tile, LAYER_IDS, &boxes, &planes, &samples, classes);
+        break;
+    default:
+        draw_classes(chunk, tile, layers, &boxes, &planes, &samples, classes);
+    }
+}
+
+static void summarize(const shb_chunk *chunk, uint32_t width, uint32_t height,
+                      shb_chunk_summary *summary) {
+    const int count = (int)chunk->count;
+    chunk_corners corners;
+    chunk_boxes boxes;
+    fetch_corners(chunk, &corners);
+    find_boxes(chunk, &corners, 0, 0, (int32_t)width, (int32_t)height, &boxes);
+    int32_t x0 = INT32_MAX, y0 = INT32_MAX, x1 = INT32_MIN, y1 = INT32_MIN;
+    uint32_t drawn = 0, coded = 0;
+    for (int t = 0; t < count; t++) {
+        const bool kept = boxes.kept[t] != 0;
+        x0 = kept ? MIN(x0, boxes.x[t]) : x0;
+        y0 = kept ? MIN(y0, boxes.y[t]) : y0;
+        x1 = kept ? MAX(x1, boxes.x[t] + boxes.width[t]) : x1;
+        y1 = kept ? MAX(y1, boxes.y[t] + boxes.height[t]) : y1;
+        drawn += kept;
+        coded += corners.code[t] != 0;
+    }
+    *summary = (shb_chunk_summary){x0, y0, x1, y1, drawn, coded};
+}

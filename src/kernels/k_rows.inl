@@ -1,0 +1,147 @@
+/* Rows of LANES samples of one triangle. Included once for each width of the wide types. */
+
+#define W(name) SHB_JOIN(name, LANES)
+
+/* Merges one vector of samples into the tile; edges is negative outside the triangle. At equal depth
+ * the lower id wins, so that the order of triangles does not matter. */
+static inline __attribute__((always_inline)) void W(merge)(const shb_tile *tile, int layers,
+                                                           ptrdiff_t at, W(wi) edges, W(wf) z,
+                                                           W(wi) id) {
+    const W(wf) nearest = W(wf_load)(tile->depth + at);
+    if (layers == 0) {
+        W(wf_store)(tile->depth + at, W(wf_min_inside)(edges, z, nearest));
+        return;
+    }
+    const W(wm) inside = W(wm_inside)(edges);
+    const W(wm) closer = W(wm_less)(inside, z, nearest);
+    W(wf_store)(tile->depth + at, W(wf_select)(closer, z, nearest));
+    if (layers & LAYER_IDS) {
+        uint32_t *ids = tile->ids + at;
+        const W(wi) old = W(wi_load)(ids);
+        const W(wm) wins = W(wm_or)(closer, W(wm_equal_less)(inside, z, nearest, id, old));
+        W(wi_store)(ids, W(wi_select)(wins, id, old));
+    }
+    if (layers & LAYER_SECOND) {
+        const W(wf) second = W(wf_load)(tile->second + at);
+        const W(wf) loser = W(wf_select)(closer, nearest, z);
+        const W(wm) next = W(wm_less)(inside, loser, second);
+        W(wf_store)(tile->second + at, W(wf_select)(next, loser, second));
+    }
+}
+
+/* Samples of a block: columns left .. right - 1, rounded up to whole vectors, rows top .. bottom - 1.
+ * edges counts from (left, top). */
+static inline __attribute__((always_inline)) void
+W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
+              const chunk_planes *planes, int t, uint32_t triangle, bool plain,
+              const block_edges *edges, int32_t left, int32_t top, int32_t right, int32_t bottom) {
+    const W(wi) id = W(wi_splat)((int32_t)triangle);
+    W(wi) row[3], step_x[3], step_y[3];
+    for (int k = 0; k < 3; k++) {
+        row[k] = W(wi_add)(W(wi_splat)(edges->value[k]),
+                           W(wi_mul)(W(wi_splat)(edges->step_x[k]), W(wi_lanes)()));
+        step_x[k] = W(wi_splat)(edges->step_x[k] * LANES);
+        step_y[k] = W(wi_splat)(edges->step_y[k]);
+    }
+    const int32_t first_column = left - boxes->x[t];
+    const W(wf) depth_x = W(wf_splat)(planes->depth_x[t]);
+    const W(wf) columns = W(wf_add)(W(wf_splat)((float)first_column), W(wf_lanes)());
+    for (int32_t y = top; y < bottom; y++) {
+        const int32_t j = y - boxes->y[t];
+        const W(wf) base = W(wf_splat)(planes->depth[t] + planes->depth_y[t] * (float)j);
+        const double careful_base = planes->base[t] + planes->step_y[t] * j;
+        W(wi) edge[3] = {row[0], row[1], row[2]};
+        W(wf) column = columns;
+        ptrdiff_t at = y * tile->stride + left;
+        for (int32_t i = 0; i < right - left; i += LANES, at += LANES) {
+            const W(wf) z = plain ? W(wf_add)(base, W(wf_mul)(depth_x, column))
+                                  : W(wf_plane)(careful_base, planes->step_x[t],
+                                                (double)(first_column + i), planes->lo[t],
+                                                planes->hi[t]);
+            W(merge)(tile, layers, at, W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]), z, id);
+            for (int k = 0; k < 3; k++)
+                edge[k] = W(wi_add)(edge[k], step_x[k]);
+            column = W(wf_add)(column, W(wf_splat)((float)LANES));
+        }
+        for (int k = 0; k < 3; k++)
+            row[k] = W(wi_add)(row[k], step_y[k]);
+    }
+}
+
+/* The part of the box that lies in the tile, widened to the left so that whole vectors stay in it. */
+static inline sample_rectangle W(clip_box)(const shb_tile *tile, const chunk_boxes *boxes, int t) {
+    const int32_t x = boxes->x[t], y = boxes->y[t];
+    sample_rectangle part = {MAX(x, tile->x0), MAX(y, tile->y0),
+                             MIN(x + boxes->width[t], tile->x1),
+                             MIN(y + boxes->height[t], tile->y1)};
+    const int32_t span = (part.right - part.left + LANES - 1) / LANES * LANES;
+    part.left = MIN(part.left, tile->x1 - span);
+    return part;
+}
+
+/* A triangle whose box is at most SHB_SMALL samples wide and high. */
+static inline __attribute__((always_inline)) void
+W(draw_small)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
+              const chunk_planes *planes, int t, uint32_t id, bool plain) {
+    const sample_rectangle part = W(clip_box)(tile, boxes, t);
+    const int32_t i = part.left - boxes->x[t], j = part.top - boxes->y[t];
+    block_edges edges;
+    for (int k = 0; k < 3; k++) {
+        edges.step_x[k] = planes->edge_x[k][t];
+        edges.step_y[k] = planes->edge_y[k][t];
+        edges.value[k] = planes->edge[k][t] + edges.step_x[k] * i + edges.step_y[k] * j;
+    }
+    W(draw_block)(tile, layers, boxes, planes, t, id, plain, &edges, part.left, part.top,
+                  part.right, part.bottom);
+}
+
+/* Any triangle: blocks of SHB_SMALL samples are rejected or freed of the edges that cover them whole;
+ * the edges that cross a block fit into 32 bits there. */
+static inline __attribute__((always_inline)) void
+W(draw_large)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
+              const chunk_planes *planes, int t, uint32_t id, bool plain) {
+    const sample_rectangle part = W(clip_box)(tile, boxes, t);
+    int64_t first[3];
+    find_wide_edges(boxes, planes, t, first);
+    for (int32_t top = part.top; top < part.bottom; top += SHB_SMALL) {
+        const int32_t bottom = MIN(top + SHB_SMALL, part.bottom);
+        for (int32_t left = part.left; left < part.right; left += SHB_SMALL) {
+            const int32_t right = MIN(left + SHB_SMALL, part.right);
+            const int32_t width = (right - left + LANES - 1) / LANES * LANES;
+            block_edges edges;
+            if (!find_block_edges(planes, t, first, left - boxes->x[t], top - boxes->y[t], width,
+                                  bottom - top, &edges))
+                continue;
+            W(draw_block)(tile, layers, boxes, planes, t, id, plain, &edges, left, top, right,
+                          bottom);
+        }
+    }
+}
+
+/* A plain triangle inside the tile whose box is one vector wide and height rows high: height is a
+ * constant where this is inlined, so the loop unrolls and no branch depends on the triangle. */
+static inline __attribute__((always_inline)) void
+W(draw_rows)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
+             const chunk_planes *planes, int t, uint32_t triangle, int height) {
+    const W(wi) id = W(wi_splat)((int32_t)triangle);
+    const int32_t left = MIN(boxes->x[t], tile->x1 - LANES), shift = left - boxes->x[t];
+    const W(wi) lanes = W(wi_add)(W(wi_splat)(shift), W(wi_lanes)());
+    W(wi) edge[3], step[3];
+    for (int k = 0; k < 3; k++) {
+        edge[k] = W(wi_add)(W(wi_splat)(planes->edge[k][t]),
+                            W(wi_mul)(W(wi_splat)(planes->edge_x[k][t]), lanes));
+        step[k] = W(wi_splat)(planes->edge_y[k][t]);
+    }
+    const W(wf) along = W(wf_mul)(W(wf_splat)(planes->depth_x[t]),
+                                  W(wf_add)(W(wf_splat)((float)shift), W(wf_lanes)()));
+    const float base = planes->depth[t], depth_y = planes->depth_y[t];
+    ptrdiff_t at = boxes->y[t] * tile->stride + left;
+    for (int j = 0; j < height; j++, at += tile->stride) {
+        const W(wf) z = W(wf_add)(W(wf_splat)(base + depth_y * (float)j), along);
+        W(merge)(tile, layers, at, W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]), z, id);
+        for (int k = 0; k < 3; k++)
+            edge[k] = W(wi_add)(edge[k], step[k]);
+    }
+}
+
+#undef W

@@ -1,0 +1,197 @@
+/* Set-up of a chunk of triangles: plain loops over lanes that the compiler vectorises, free of
+ * branches. The formulas, their order and the proofs of their widths are those of setup.h and
+ * plane.h. */
+
+#define SNAP_MAGIC 0x1.8p52
+#define MIN(a, b) ((a) < (b) ? (a) : (b))
+#define MAX(a, b) ((a) > (b) ? (a) : (b))
+
+typedef double pair __attribute__((vector_size(16)));
+
+/* Window corners of the chunk's triangles. */
+typedef struct chunk_corners {
+    SHB_ALIGN double x[3][SHB_CHUNK];
+    double y[3][SHB_CHUNK], z[3][SHB_CHUNK];
+    double code[SHB_CHUNK]; /* 0 if the triangle needs no clipping */
+} chunk_corners;
+
+/* Snapped corners, boxes and areas. The box is that of all samples that the triangle can cover. */
+typedef struct chunk_boxes {
+    SHB_ALIGN int32_t corner_x[3][SHB_CHUNK];
+    int32_t corner_y[3][SHB_CHUNK];
+    int32_t x[SHB_CHUNK], y[SHB_CHUNK], width[SHB_CHUNK], height[SHB_CHUNK];
+    int32_t kept[SHB_CHUNK]; /* 1: faces the right way, covers a sample's box in the region */
+    double area[SHB_CHUNK];
+} chunk_boxes;
+
+/* Edges and depths, counted from the box's first sample. A sample is inside where no edge value is
+ * negative: they are floor((E + bias) / 256) of the exact edge function E, bias -1 on an edge that is
+ * neither top nor left. 32 bits hold them in boxes of up to SHB_SMALL samples. */
+typedef struct chunk_planes {
+    SHB_ALIGN int32_t edge[3][SHB_CHUNK];
+    int32_t edge_x[3][SHB_CHUNK], edge_y[3][SHB_CHUNK];
+    float depth[SHB_CHUNK], depth_x[SHB_CHUNK], depth_y[SHB_CHUNK];
+    int32_t plain[SHB_CHUNK]; /* 1: depth is evaluated in float, 0: in double */
+    double base[SHB_CHUNK], step_x[SHB_CHUNK], step_y[SHB_CHUNK], lo[SHB_CHUNK], hi[SHB_CHUNK];
+} chunk_planes;
+
+/* The chunk's indices as 32 bits each. */
+static const uint32_t *widen_indices(const shb_chunk *chunk, uint32_t indices[3 * SHB_CHUNK]) {
+    if (chunk->indices && chunk->index_size == 4)
+        return chunk->indices;
+    const uint16_t *narrow = chunk->indices;
+    for (uint32_t i = 0; i < 3 * chunk->count; i++)
+        indices[i] = narrow ? narrow[i] : chunk->first_vertex + i;
+    return indices;
+}
+
+/* Transposes the corners of two triangles at a time. */
+static void fetch_corners(const shb_chunk *chunk, chunk_corners *corners) {
+    uint32_t widened[3 * SHB_CHUNK];
+    const uint32_t *indices = widen_indices(chunk, widened);
+    for (uint32_t t = 0; t < chunk->count; t += 2) {
+        const uint32_t u = t + 1 < chunk->count ? t + 1 : t;
+        pair code = {0, 0};
+        for (int k = 0; k < 3; k++) {
+            const pair *a = (const pair *)&chunk->vertices[indices[3 * t + k]];
+            const pair *b = (const pair *)&chunk->vertices[indices[3 * u + k]];
+            *(pair *)&corners->x[k][t] = (pair){a[0][0], b[0][0]};
+            *(pair *)&corners->y[k][t] = (pair){a[0][1], b[0][1]};
+            *(pair *)&corners->z[k][t] = (pair){a[1][0], b[1][0]};
+            code += (pair){a[1][1], b[1][1]};
+        }
+        *(pair *)&corners->code[t] = code;
+    }
+}
+
+/* Kept are triangles with a box in the rectangle. */
+static void find_boxes(const shb_chunk *chunk, const chunk_corners *corners, int32_t x0, int32_t y0,
+                       int32_t x1, int32_t y1, chunk_boxes *boxes) {
+    const int count = (int)chunk->count;
+    for (int k = 0; k < 3; k++)
+        for (int t = 0; t < count; t++) {
+            boxes->corner_x[k][t] = (int32_t)((corners->x[k][t] * 256 + SNAP_MAGIC) - SNAP_MAGIC);
+            boxes->corner_y[k][t] = (int32_t)((corners->y[k][t] * 256 + SNAP_MAGIC) - SNAP_MAGIC);
+        }
+    const int keep_positive = chunk->keep_positive, keep_negative = chunk->keep_negative;
+    for (int t = 0; t < count; t++) {
+        const int32_t ax = boxes->corner_x[0][t], ay = boxes->corner_y[0][t];
+        const int32_t bx = boxes->corner_x[1][t], by = boxes->corner_y[1][t];
+        const int32_t cx = boxes->corner_x[2][t], cy = boxes->corner_y[2][t];
+        const int32_t lo_x = MIN(MIN(ax, bx), cx), hi_x = MAX(MAX(ax, bx), cx);
+        const int32_t lo_y = MIN(MIN(ay, by), cy), hi_y = MAX(MAX(ay, by), cy);
+        const int32_t left = (lo_x + 127) >> 8, right = (hi_x - 129) >> 8;
+        const int32_t top = (lo_y + 127) >> 8, bottom = (hi_y - 129) >> 8;
+        boxes->x[t] = left;
+        boxes->y[t] = top;
+        boxes->width[t] = right - left + 1;
+        boxes->height[t] = bottom - top + 1;
+        /* Differences stay below 2^23, products below 2^46: exact in double. */
+        const double area = (double)(bx - ax) * (double)(cy - ay) -
+                            (double)(cx - ax) * (double)(by - ay);
+        boxes->area[t] = area;
+        boxes->kept[t] = (corners->code[t] == 0) &
+                         (((area > 0) & keep_positive) | ((area < 0) & keep_negative)) &
+                         (MAX(left, x0) <= MIN(right, x1 - 1)) &
+                         (MAX(top, y0) <= MIN(bottom, y1 - 1));
+    }
+}
+
+/* Unsigned arithmetic wraps where a box is too large for 32 bits; such values are not used. */
+static void set_up_edges(int count, const chunk_boxes *boxes, chunk_planes *planes) {
+    for (int k = 0; k < 3; k++) {
+        const int next = k == 2 ? 0 : k + 1;
+        for (int t = 0; t < count; t++) {
+            const int32_t sign = boxes->area[t] < 0 ? -1 : 1;
+            const int32_t px = boxes->corner_x[k][t], py = boxes->corner_y[k][t];
+            const int32_t dx = (boxes->corner_x[next][t] - px) * sign;
+            const int32_t dy = (boxes->corner_y[next][t] - py) * sign;
+            const int32_t to_x = boxes->x[t] * 256 + 128 - px;
+            const int32_t to_y = boxes->y[t] * 256 + 128 - py;
+            const uint32_t value =
+                (uint32_t)dx * (uint32_t)to_y - (uint32_t)dy * (uint32_t)to_x;
+            const int32_t bias = -((dy > 0) | ((dy == 0) & (dx < 0)));
+            planes->edge[k][t] = (int32_t)(value + (uint32_t)bias) >> 8;
+            planes->edge_x[k][t] = -dy;
+            planes->edge_y[k][t] = dx;
+        }
+    }
+}
+
+static void set_up_depths(int count, const chunk_corners *corners, const chunk_boxes *boxes,
+                          chunk_planes *planes) {
+    for (int t = 0; t < count; t++) {
+        const double x0 = corners->x[0][t], y0 = corners->y[0][t], z0 = corners->z[0][t];
+        const double dx1 = corners->x[1][t] - x0, dx2 = corners->x[2][t] - x0;
+        const double dy1 = corners->y[1][t] - y0, dy2 = corners->y[2][t] - y0;
+        const double z1 = corners->z[1][t], z2 = corners->z[2][t];
+        const double dz1 = z1 - z0, dz2 = z2 - z0;
+        const double area = dx1 * dy2 - dx2 * dy1;
+        const double gx = (dz1 * dy2 - dz2 * dy1) / area;
+        const double gy = (dx1 * dz2 - dx2 * dz1) / area;
+        const double to_x = ((double)boxes->x[t] + 0.5) - x0;
+        const double to_y = ((double)boxes->y[t] + 0.5) - y0;
+        const double base = (z0 + gx * to_x) + gy * to_y;
+        const double lo = MIN(MIN(z0, z1), z2), hi = MAX(MAX(z0, z1), z2);
+        const double steep_x = fabs(gx), steep_y = fabs(gy);
+        const bool usable = (steep_x <= SHB_PLANE_MAX) & (steep_y <= SHB_PLANE_MAX) &
+                            (fabs(base) <= SHB_PLANE_MAX);
+        const double width = boxes->width[t], height = boxes->height[t];
+        const double smallest = MIN(fabs(lo), fabs(hi));
+        const bool plain = usable & (steep_x * width + steep_y * height <= 0.5 * smallest) &
+                           (width * height <= 128 * fabs(area)) &
+                           (steep_x + steep_y <= 16 * (hi - lo)) & (smallest >= 0x1p-64) &
+                           (smallest <= 0x1p64);
+        planes->base[t] = usable ? base : ((z0 + z1) + z2) / 3;
+        planes->step_x[t] = usable ? gx : 0;
+        planes->step_y[t] = usable ? gy : 0;
+        planes->lo[t] = lo;
+        planes->hi[t] = MIN(hi, SHB_DEPTH_CEILING);
+        planes->plain[t] = plain;
+        planes->depth[t] = (float)base;
+        planes->depth_x[t] = (float)gx;
+        planes->depth_y[t] = (float)gy;
+    }
+}
+
+/* Edges of a block of samples, in 32 bits. An edge that covers the whole block is 0 everywhere. */
+typedef struct block_edges {
+    int32_t value[3], step_x[3], step_y[3];
+} block_edges;
+
+typedef struct sample_rectangle {
+    int32_t left, top, right, bottom; /* right and bottom are the first ones outside */
+} sample_rectangle;
+
+/* The edges at the box's first sample, in 64 bits. */
+static void find_wide_edges(const chunk_boxes *boxes, const chunk_planes *planes, int t,
+                            int64_t first[3]) {
+    for (int k = 0; k < 3; k++) {
+        const int64_t dx = planes->edge_y[k][t], dy = -(int64_t)planes->edge_x[k][t];
+        const int64_t to_x = (int64_t)boxes->x[t] * 256 + 128 - boxes->corner_x[k][t];
+        const int64_t to_y = (int64_t)boxes->y[t] * 256 + 128 - boxes->corner_y[k][t];
+        const int64_t bias = -((dy > 0) | ((dy == 0) & (dx < 0)));
+        first[k] = (dx * to_y - dy * to_x + bias) >> 8;
+    }
+}
+
+/* The edges of the block that starts i columns and j rows from the box's first sample; false if one
+ * of them rejects the whole block. An edge that crosses the block is at most
+ * (|step_x| + |step_y|) * 80 < 2^31 anywhere in it. */
+static bool find_block_edges(const chunk_planes *planes, int t, const int64_t first[3], int32_t i,
+                             int32_t j, int32_t width, int32_t height, block_edges *edges) {
+    for (int k = 0; k < 3; k++) {
+        const int64_t step_x = planes->edge_x[k][t], step_y = planes->edge_y[k][t];
+        const int64_t corner = first[k] + step_x * i + step_y * j;
+        const int64_t across = step_x * (width - 1), down = step_y * (height - 1);
+        const int64_t lo = corner + MIN(across, 0) + MIN(down, 0);
+        const int64_t hi = corner + MAX(across, 0) + MAX(down, 0);
+        if (hi < 0)
+            return false;
+        const bool covers = lo >= 0;
+        edges->value[k] = covers ? 0 : (int32_t)corner;
+        edges->step_x[k] = covers ? 0 : (int32_t)step_x;
+        edges->step_y[k] = covers ? 0 : (int32_t)step_y;
+    }
+    return true;
+}

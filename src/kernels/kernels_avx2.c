@@ -1,0 +1,11 @@
+#include "target.h"
+
+#if defined(__x86_64__)
+SHB_TARGET_BEGIN("avx2")
+#include "wide_avx2.h"
+#define NARROW 8
+#define WIDE 8
+#define KERNELS shb_kernels_avx2
+#include "kernels.inl"
+SHB_TARGET_END
+#endif

@@ -1,0 +1,12 @@
+#include "target.h"
+
+#if defined(__x86_64__)
+SHB_TARGET_BEGIN("avx2,avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")
+#include "wide_avx2.h"
+#include "wide_avx512.h"
+#define NARROW 8
+#define WIDE 16
+#define KERNELS shb_kernels_avx512
+#include "kernels.inl"
+SHB_TARGET_END
+#endif

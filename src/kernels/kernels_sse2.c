@@ -1,0 +1,11 @@
+#include "target.h"
+
+#if defined(__x86_64__)
+SHB_TARGET_BEGIN("sse2")
+#include "wide_sse2.h"
+#define NARROW 4
+#define WIDE 4
+#define KERNELS shb_kernels_sse2
+#include "kernels.inl"
+SHB_TARGET_END
+#endif

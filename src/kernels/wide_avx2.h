@@ -1,0 +1,92 @@
+/* Eight lanes of 32 bits. The operations are those of wide.h. */
+#ifndef SRC_KERNELS_WIDE_AVX2_H
+#define SRC_KERNELS_WIDE_AVX2_H
+
+typedef __m256 wf8;
+typedef __m256i wi8;
+typedef __m256i wm8;
+
+static inline wf8 wf_splat8(float v) {
+    return _mm256_set1_ps(v);
+}
+static inline wf8 wf_load8(const float *p) {
+    return _mm256_loadu_ps(p);
+}
+static inline void wf_store8(float *p, wf8 v) {
+    _mm256_storeu_ps(p, v);
+}
+static inline wf8 wf_add8(wf8 a, wf8 b) {
+    return _mm256_add_ps(a, b);
+}
+static inline wf8 wf_mul8(wf8 a, wf8 b) {
+    return _mm256_mul_ps(a, b);
+}
+static inline wi8 wi_splat8(int32_t v) {
+    return _mm256_set1_epi32(v);
+}
+static inline wi8 wi_lanes8(void) {
+    return _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+}
+static inline wf8 wf_lanes8(void) {
+    return _mm256_setr_ps(0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f);
+}
+static inline wi8 wi_load8(const void *p) {
+    return _mm256_loadu_si256((const __m256i *)p);
+}
+static inline void wi_store8(void *p, wi8 v) {
+    _mm256_storeu_si256((__m256i *)p, v);
+}
+static inline wi8 wi_add8(wi8 a, wi8 b) {
+    return _mm256_add_epi32(a, b);
+}
+static inline wi8 wi_mul8(wi8 a, wi8 b) {
+    return _mm256_mullo_epi32(a, b);
+}
+static inline wi8 wi_or8(wi8 a, wi8 b) {
+    return _mm256_or_si256(a, b);
+}
+static inline wf8 wf_min_inside8(wi8 edges, wf8 z, wf8 q) {
+    const __m256i outside = _mm256_srai_epi32(edges, 31);
+    return _mm256_min_ps(_mm256_or_ps(z, _mm256_castsi256_ps(outside)), q);
+}
+static inline wm8 wm_inside8(wi8 edges) {
+    return _mm256_cmpgt_epi32(edges, _mm256_set1_epi32(-1));
+}
+static inline wm8 wm_less8(wm8 m, wf8 a, wf8 b) {
+    return _mm256_and_si256(m, _mm256_castps_si256(_mm256_cmp_ps(a, b, _CMP_LT_OQ)));
+}
+static inline wm8 wm_or8(wm8 a, wm8 b) {
+    return _mm256_or_si256(a, b);
+}
+static inline wm8 wm_equal_less8(wm8 m, wf8 a, wf8 b, wi8 c, wi8 d) {
+    const __m256i equal = _mm256_castps_si256(_mm256_cmp_ps(a, b, _CMP_EQ_OQ));
+    return _mm256_and_si256(_mm256_and_si256(m, equal), _mm256_cmpgt_epi32(d, c));
+}
+static inline wi8 wi_select8(wm8 m, wi8 a, wi8 b) {
+    return _mm256_blendv_epi8(b, a, m);
+}
+static inline wf8 wf_select8(wm8 m, wf8 a, wf8 b) {
+    return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(m));
+}
+static inline wf8 wf_plane8(double base, double step, double column, double lo, double hi) {
+    const __m256d s = _mm256_set1_pd(step), b = _mm256_set1_pd(base), c = _mm256_set1_pd(column);
+    const __m256d l = _mm256_set1_pd(lo), h = _mm256_set1_pd(hi);
+    const __m256d i0 = _mm256_add_pd(c, _mm256_setr_pd(0.0, 1.0, 2.0, 3.0));
+    const __m256d i1 = _mm256_add_pd(c, _mm256_setr_pd(4.0, 5.0, 6.0, 7.0));
+    const __m256d z0 = _mm256_add_pd(b, _mm256_mul_pd(s, i0));
+    const __m256d z1 = _mm256_add_pd(b, _mm256_mul_pd(s, i1));
+    return _mm256_set_m128(_mm256_cvtpd_ps(_mm256_min_pd(_mm256_max_pd(z1, l), h)),
+                           _mm256_cvtpd_ps(_mm256_min_pd(_mm256_max_pd(z0, l), h)));
+}
+
+/* Bit i is set where byte i of 64 equals value. */
+static inline uint64_t wide_equal_bytes(const uint8_t *bytes, uint8_t value) {
+    const __m256i wanted = _mm256_set1_epi8((char)value);
+    const __m256i lo = _mm256_loadu_si256((const __m256i *)(const void *)bytes);
+    const __m256i hi = _mm256_loadu_si256((const __m256i *)(const void *)(bytes + 32));
+    const uint32_t lo_bits = (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(lo, wanted));
+    const uint32_t hi_bits = (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(hi, wanted));
+    return lo_bits | (uint64_t)hi_bits << 32;
+}
+
+#endif

@@ -1,0 +1,83 @@
+/* Sixteen lanes of 32 bits (AVX-512 F, VL, DQ, BW). The operations are those of wide.h. */
+#ifndef SRC_KERNELS_WIDE_AVX512_H
+#define SRC_KERNELS_WIDE_AVX512_H
+
+typedef __m512 wf16;
+typedef __m512i wi16;
+typedef __mmask16 wm16;
+
+static inline wf16 wf_splat16(float v) {
+    return _mm512_set1_ps(v);
+}
+static inline wf16 wf_load16(const float *p) {
+    return _mm512_loadu_ps(p);
+}
+static inline void wf_store16(float *p, wf16 v) {
+    _mm512_storeu_ps(p, v);
+}
+static inline wf16 wf_add16(wf16 a, wf16 b) {
+    return _mm512_add_ps(a, b);
+}
+static inline wf16 wf_mul16(wf16 a, wf16 b) {
+    return _mm512_mul_ps(a, b);
+}
+static inline wi16 wi_splat16(int32_t v) {
+    return _mm512_set1_epi32(v);
+}
+static inline wi16 wi_lanes16(void) {
+    return _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+static inline wf16 wf_lanes16(void) {
+    return _mm512_cvtepi32_ps(wi_lanes16());
+}
+static inline wi16 wi_load16(const void *p) {
+    return _mm512_loadu_si512(p);
+}
+static inline void wi_store16(void *p, wi16 v) {
+    _mm512_storeu_si512(p, v);
+}
+static inline wi16 wi_add16(wi16 a, wi16 b) {
+    return _mm512_add_epi32(a, b);
+}
+static inline wi16 wi_mul16(wi16 a, wi16 b) {
+    return _mm512_mullo_epi32(a, b);
+}
+static inline wi16 wi_or16(wi16 a, wi16 b) {
+    return _mm512_or_si512(a, b);
+}
+static inline wf16 wf_min_inside16(wi16 edges, wf16 z, wf16 q) {
+    const __mmask16 inside = _knot_mask16(_mm512_movepi32_mask(edges));
+    return _mm512_mask_min_ps(q, inside, z, q);
+}
+static inline wm16 wm_inside16(wi16 edges) {
+    return _knot_mask16(_mm512_movepi32_mask(edges));
+}
+static inline wm16 wm_less16(wm16 m, wf16 a, wf16 b) {
+    return _mm512_mask_cmp_ps_mask(m, a, b, _CMP_LT_OQ);
+}
+static inline wm16 wm_or16(wm16 a, wm16 b) {
+    return _kor_mask16(a, b);
+}
+static inline wm16 wm_equal_less16(wm16 m, wf16 a, wf16 b, wi16 c, wi16 d) {
+    const __mmask16 equal = _mm512_mask_cmp_ps_mask(m, a, b, _CMP_EQ_OQ);
+    return _mm512_mask_cmplt_epi32_mask(equal, c, d);
+}
+static inline wi16 wi_select16(wm16 m, wi16 a, wi16 b) {
+    return _mm512_mask_blend_epi32(m, b, a);
+}
+static inline wf16 wf_select16(wm16 m, wf16 a, wf16 b) {
+    return _mm512_mask_blend_ps(m, b, a);
+}
+static inline wf16 wf_plane16(double base, double step, double column, double lo, double hi) {
+    const __m512d s = _mm512_set1_pd(step), b = _mm512_set1_pd(base), c = _mm512_set1_pd(column);
+    const __m512d l = _mm512_set1_pd(lo), h = _mm512_set1_pd(hi);
+    const __m512d i0 = _mm512_add_pd(c, _mm512_setr_pd(0, 1, 2, 3, 4, 5, 6, 7));
+    const __m512d i1 = _mm512_add_pd(c, _mm512_setr_pd(8, 9, 10, 11, 12, 13, 14, 15));
+    const __m512d z0 = _mm512_add_pd(b, _mm512_mul_pd(s, i0));
+    const __m512d z1 = _mm512_add_pd(b, _mm512_mul_pd(s, i1));
+    const __m256 f0 = _mm512_cvtpd_ps(_mm512_min_pd(_mm512_max_pd(z0, l), h));
+    const __m256 f1 = _mm512_cvtpd_ps(_mm512_min_pd(_mm512_max_pd(z1, l), h));
+    return _mm512_insertf32x8(_mm512_castps256_ps512(f0), f1, 1);
+}
+
+#endif

@@ -1,0 +1,95 @@
+/* Four lanes of 32 bits: the x86-64 baseline. The operations are those of wide.h. */
+#ifndef SRC_KERNELS_WIDE_SSE2_H
+#define SRC_KERNELS_WIDE_SSE2_H
+
+typedef __m128 wf4;
+typedef __m128i wi4;
+typedef __m128i wm4;
+
+static inline wf4 wf_splat4(float v) {
+    return _mm_set1_ps(v);
+}
+static inline wf4 wf_load4(const float *p) {
+    return _mm_loadu_ps(p);
+}
+static inline void wf_store4(float *p, wf4 v) {
+    _mm_storeu_ps(p, v);
+}
+static inline wf4 wf_add4(wf4 a, wf4 b) {
+    return _mm_add_ps(a, b);
+}
+static inline wf4 wf_mul4(wf4 a, wf4 b) {
+    return _mm_mul_ps(a, b);
+}
+static inline wi4 wi_splat4(int32_t v) {
+    return _mm_set1_epi32(v);
+}
+static inline wi4 wi_lanes4(void) {
+    return _mm_setr_epi32(0, 1, 2, 3);
+}
+static inline wf4 wf_lanes4(void) {
+    return _mm_setr_ps(0.0f, 1.0f, 2.0f, 3.0f);
+}
+static inline wi4 wi_load4(const void *p) {
+    return _mm_loadu_si128((const __m128i *)p);
+}
+static inline void wi_store4(void *p, wi4 v) {
+    _mm_storeu_si128((__m128i *)p, v);
+}
+static inline wi4 wi_add4(wi4 a, wi4 b) {
+    return _mm_add_epi32(a, b);
+}
+static inline wi4 wi_mul4(wi4 a, wi4 b) {
+    const __m128i even = _mm_mul_epu32(a, b);
+    const __m128i odd = _mm_mul_epu32(_mm_srli_epi64(a, 32), _mm_srli_epi64(b, 32));
+    return _mm_unpacklo_epi32(_mm_shuffle_epi32(even, _MM_SHUFFLE(0, 0, 2, 0)),
+                              _mm_shuffle_epi32(odd, _MM_SHUFFLE(0, 0, 2, 0)));
+}
+static inline wi4 wi_or4(wi4 a, wi4 b) {
+    return _mm_or_si128(a, b);
+}
+static inline wf4 wf_min_inside4(wi4 edges, wf4 z, wf4 q) {
+    const __m128i outside = _mm_srai_epi32(edges, 31);
+    return _mm_min_ps(_mm_or_ps(z, _mm_castsi128_ps(outside)), q);
+}
+static inline wm4 wm_inside4(wi4 edges) {
+    return _mm_cmpgt_epi32(edges, _mm_set1_epi32(-1));
+}
+static inline wm4 wm_less4(wm4 m, wf4 a, wf4 b) {
+    return _mm_and_si128(m, _mm_castps_si128(_mm_cmplt_ps(a, b)));
+}
+static inline wm4 wm_or4(wm4 a, wm4 b) {
+    return _mm_or_si128(a, b);
+}
+static inline wm4 wm_equal_less4(wm4 m, wf4 a, wf4 b, wi4 c, wi4 d) {
+    const __m128i equal = _mm_castps_si128(_mm_cmpeq_ps(a, b));
+    return _mm_and_si128(_mm_and_si128(m, equal), _mm_cmplt_epi32(c, d));
+}
+static inline wi4 wi_select4(wm4 m, wi4 a, wi4 b) {
+    return _mm_or_si128(_mm_and_si128(m, a), _mm_andnot_si128(m, b));
+}
+static inline wf4 wf_select4(wm4 m, wf4 a, wf4 b) {
+    const __m128 mask = _mm_castsi128_ps(m);
+    return _mm_or_ps(_mm_and_ps(mask, a), _mm_andnot_ps(mask, b));
+}
+static inline wf4 wf_plane4(double base, double step, double column, double lo, double hi) {
+    const __m128d s = _mm_set1_pd(step), b = _mm_set1_pd(base), c = _mm_set1_pd(column);
+    const __m128d l = _mm_set1_pd(lo), h = _mm_set1_pd(hi);
+    const __m128d z0 = _mm_add_pd(b, _mm_mul_pd(s, _mm_add_pd(c, _mm_setr_pd(0.0, 1.0))));
+    const __m128d z1 = _mm_add_pd(b, _mm_mul_pd(s, _mm_add_pd(c, _mm_setr_pd(2.0, 3.0))));
+    return _mm_movelh_ps(_mm_cvtpd_ps(_mm_min_pd(_mm_max_pd(z0, l), h)),
+                         _mm_cvtpd_ps(_mm_min_pd(_mm_max_pd(z1, l), h)));
+}
+
+/* Bit i is set where byte i of 64 equals value. */
+static inline uint64_t wide_equal_bytes(const uint8_t *bytes, uint8_t value) {
+    const __m128i wanted = _mm_set1_epi8((char)value);
+    uint64_t bits = 0;
+    for (int i = 0; i < 4; i++) {
+        const __m128i part = _mm_loadu_si128((const __m128i *)(const void *)(bytes + 16 * i));
+        bits |= (uint64_t)(uint32_t)_mm_movemask_epi8(_mm_cmpeq_epi8(part, wanted)) << (16 * i);
+    }
+    return bits;
+}
+
+#endif
