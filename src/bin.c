@@ -35,7 +35,7 @@ static tile_range prepare_triangle(const bin_job *job, const shb_draw_instance *
                                    uint64_t id, shb_draw_stats *stats) {
     shb_clip_position corners[3];
     shb_shape shape;
-    shb_geometry_corners(job->geometry, instance, id, corners);
+    shb_geometry_corners(instance, id, corners);
     const shb_outcome outcome = shb_shape_prepare(job->target, instance, corners, &shape);
     stats->not_finite += outcome == SHB_OUTCOME_NOT_FINITE;
     stats->culled += outcome == SHB_OUTCOME_CULLED;

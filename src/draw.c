@@ -1,5 +1,6 @@
 #include "strict.h"
 
+#include "chunk_tile.h"
 #include "context.h"
 #include "format.h"
 #include "matrix.h"
@@ -92,6 +93,23 @@ static shb_result check_desc(const shb_context *context, const shb_draw_desc *de
     return result ? result : check_scene(context, desc->scene);
 }
 
+static bool draw_chunks(shb_context *context, const shb_draw_desc *desc,
+                        const shb_geometry *geometry, const shb_target *target,
+                        shb_draw_stats *stats) {
+    shb_chunks chunks;
+    return shb_chunks_prepare(context, desc, geometry, target, &chunks) &&
+           shb_chunk_tiles_draw(context, desc, geometry, target, &chunks, stats);
+}
+
+static bool draw_scalar(shb_context *context, const shb_draw_desc *desc,
+                        const shb_geometry *geometry, const shb_target *target,
+                        shb_draw_stats *stats) {
+    const uint32_t tile_size = desc->tile_size ? desc->tile_size : TILE_SIZE;
+    shb_bins bins;
+    return shb_bin_triangles(context, geometry, target, tile_size, &bins, stats) &&
+           shb_tiles_draw(context, desc, geometry, target, &bins);
+}
+
 shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_stats *stats) {
     if (!context)
         return SHB_ERROR_ARGUMENT;
@@ -99,13 +117,11 @@ shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_st
     if (result)
         return result;
     const shb_target target = shb_target_of(desc->width, desc->height, desc->view->reversed);
-    const uint32_t tile_size = desc->tile_size ? desc->tile_size : TILE_SIZE;
     shb_geometry geometry = {0};
-    shb_bins bins;
     shb_draw_stats counted;
     if (!shb_geometry_prepare(context, desc, &geometry) ||
-        !shb_bin_triangles(context, &geometry, &target, tile_size, &bins, &counted) ||
-        !shb_tiles_draw(context, desc, &geometry, &target, &bins))
+        !(context->kernels ? draw_chunks : draw_scalar)(context, desc, &geometry, &target,
+                                                        &counted))
         return shb_fail(
             context, SHB_ERROR_MEMORY, "shb_draw: no memory for %llu triangles and %llu vertices",
             (unsigned long long)geometry.triangle_count, (unsigned long long)geometry.vertex_count);

@@ -4,10 +4,6 @@
 
 #include <math.h>
 
-/* Far beyond any far plane, and far from overflow. */
-#define DEPTH_CEILING 2.0
-#define USABLE_MAX 0x1p100
-
 /* The centre of the anchor's pixel. */
 static double anchor_x(const shb_shape *shape) {
     return shape->samples.first_column + 0.5;
@@ -69,8 +65,8 @@ static void find_range(const shb_shape *shape, shb_plane *plane) {
 }
 
 static bool is_usable(const shb_plane *plane) {
-    return fabs(plane->gx) <= USABLE_MAX && fabs(plane->gy) <= USABLE_MAX &&
-           fabs(plane->z0) <= USABLE_MAX;
+    return fabs(plane->gx) <= SHB_PLANE_MAX && fabs(plane->gy) <= SHB_PLANE_MAX &&
+           fabs(plane->z0) <= SHB_PLANE_MAX;
 }
 
 /* A triangle that has an area only because it was snapped: its mean depth, everywhere. */
@@ -105,6 +101,6 @@ shb_plane shb_plane_of(const shb_target *target, const shb_shape *shape) {
     if (!usable)
         flatten(shape, &plane);
     plane.is_plain = usable && !shape->is_cut && can_be_plain(shape, area, &plane);
-    plane.hi = plane.hi < DEPTH_CEILING ? plane.hi : DEPTH_CEILING;
+    plane.hi = plane.hi < SHB_DEPTH_CEILING ? plane.hi : SHB_DEPTH_CEILING;
     return plane;
 }

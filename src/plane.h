@@ -40,6 +40,12 @@
 
 #include "setup.h"
 
+/* Far beyond any far plane, and far from overflow. */
+#define SHB_DEPTH_CEILING 2.0
+
+/* Planes with larger numbers are not usable. */
+#define SHB_PLANE_MAX 0x1p100
+
 typedef struct shb_plane {
     double z0, gx, gy; /* at the anchor, per column, per row */
     double lo, hi;     /* range of the corners */

@@ -5,8 +5,6 @@
 #include "scene.h"
 #include "scratch.h"
 
-#define VERTICES_PER_TASK 4096
-
 /* A front face is counter-clockwise with y up, so its area is negative with y down. */
 static void choose_faces(const shb_instance *instance, bool flip, bool mirrors,
                          shb_draw_instance *drawn) {
@@ -49,53 +47,12 @@ static void transform_vertex(const double m[16], const float *p, double v[4]) {
         v[row] = ((m[row] * x + m[4 + row] * y) + m[8 + row] * z) + m[12 + row];
 }
 
-typedef struct transform_job {
-    const shb_geometry *geometry;
-    shb_clip_position *positions;
-} transform_job;
-
-/* The instance of a vertex: the last one that starts at or before it (instances without vertices
- * have no triangles and are not in the list). */
-static const shb_draw_instance *instance_of_vertex(const shb_geometry *geometry, uint64_t vertex) {
-    size_t lo = 0, hi = geometry->instance_count;
-    while (hi - lo > 1) {
-        const size_t middle = lo + (hi - lo) / 2;
-        if (geometry->instances[middle].first_vertex <= vertex)
-            lo = middle;
-        else
-            hi = middle;
-    }
-    return &geometry->instances[lo];
-}
-
-static void transform_block(void *arg, size_t index) {
-    const transform_job *job = arg;
-    const uint64_t first = (uint64_t)index * VERTICES_PER_TASK;
-    const uint64_t left = job->geometry->vertex_count - first;
-    const uint64_t end = first + (left < VERTICES_PER_TASK ? left : VERTICES_PER_TASK);
-    const shb_draw_instance *instance = instance_of_vertex(job->geometry, first);
-    for (uint64_t i = first; i < end; i++) {
-        while (i - instance->first_vertex >= instance->mesh->vertex_count)
-            instance++;
-        const uint32_t vertex = (uint32_t)(i - instance->first_vertex);
-        transform_vertex(instance->clip_from_mesh.m, shb_mesh_position(instance->mesh, vertex),
-                         job->positions[i].v);
-    }
-}
-
 bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_geometry *geometry) {
     shb_buffer *scratch = context->draw_scratch;
     if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_INSTANCES], desc->scene->instance_count,
                             sizeof(shb_draw_instance)))
         return false;
     collect_instances(desc, scratch[SHB_SCRATCH_INSTANCES].data, geometry);
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_POSITIONS], geometry->vertex_count,
-                            sizeof(shb_clip_position)))
-        return false;
-    transform_job job = {geometry, scratch[SHB_SCRATCH_POSITIONS].data};
-    const uint64_t blocks = (geometry->vertex_count + VERTICES_PER_TASK - 1) / VERTICES_PER_TASK;
-    shb_parallel_for(context, transform_block, &job, blocks);
-    geometry->positions = job.positions;
     return true;
 }
 
@@ -111,10 +68,11 @@ const shb_draw_instance *shb_geometry_instance(const shb_geometry *geometry, uin
     return &geometry->instances[lo];
 }
 
-void shb_geometry_corners(const shb_geometry *geometry, const shb_draw_instance *instance,
-                          uint64_t id, shb_clip_position corners[3]) {
+void shb_geometry_corners(const shb_draw_instance *instance, uint64_t id,
+                          shb_clip_position corners[3]) {
     uint32_t vertices[3];
     shb_mesh_triangle(instance->mesh, (uint32_t)(id - instance->first_triangle), vertices);
     for (int i = 0; i < 3; i++)
-        corners[i] = geometry->positions[instance->first_vertex + vertices[i]];
+        transform_vertex(instance->clip_from_mesh.m,
+                         shb_mesh_position(instance->mesh, vertices[i]), corners[i].v);
 }

@@ -1,4 +1,4 @@
-/* Vertices to clip space, once each.
+/* Vertices to clip space.
  *
  * The matrix clip_from_world * world_from_mesh is multiplied in double, once per instance. Row r of
  * a vertex is ((m[r] * x + m[4 + r] * y) + m[8 + r] * z) + m[12 + r] in double, in this order.
@@ -32,10 +32,9 @@ typedef struct shb_geometry {
     size_t instance_count;
     uint64_t vertex_count;
     uint64_t triangle_count;
-    const shb_clip_position *positions;
 } shb_geometry;
 
-/* Transforms all vertices of a checked scene into the context's scratch; false: out of memory. */
+/* Lists the instances of a checked scene in the context's scratch; false: out of memory. */
 bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_geometry *geometry);
 
 /* The instance of a triangle; the id must be below the triangle count. */
@@ -47,7 +46,7 @@ static inline bool shb_instance_has(const shb_draw_instance *instance, uint64_t 
 }
 
 /* The corners of a triangle of the instance, in mesh order. */
-void shb_geometry_corners(const shb_geometry *geometry, const shb_draw_instance *instance,
-                          uint64_t id, shb_clip_position corners[3]);
+void shb_geometry_corners(const shb_draw_instance *instance, uint64_t id,
+                          shb_clip_position corners[3]);
 
 #endif

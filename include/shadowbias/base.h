@@ -26,7 +26,7 @@ extern "C" {
 #define SHB_SIZE_MAX 16384
 
 /* The largest number of triangles in a scene; ids are 0 .. count - 1. */
-#define SHB_TRIANGLES_MAX 0xfffffffeu
+#define SHB_TRIANGLES_MAX 0x7fffffffu
 
 /* The id of a sample that no triangle covers. */
 #define SHB_ID_NONE 0xffffffffu

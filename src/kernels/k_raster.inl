@@ -22,7 +22,8 @@ static void classify(int count, const shb_tile *tile, const chunk_boxes *boxes,
         const int32_t width = boxes->width[t], height = boxes->height[t];
         const int32_t rows_inside = (y >= tile->y0) & (y + height <= tile->y1);
         const int32_t plain = planes->plain[t];
-        int32_t class = (width > SHB_SMALL) | (height > SHB_SMALL) ? CLASS_LARGE : CLASS_SMALL;
+        const bool large = (width > SHB_SMALL) | (height > SHB_SMALL);
+        int32_t class = large ? CLASS_LARGE : CLASS_SMALL;
         class += plain ? 0 : 1;
         const int32_t in_rows = plain & rows_inside & (width <= NARROW) & (height <= ROWS_MAX) &
                                 (x >= tile->x0) & (x + width <= tile->x1);
@@ -78,7 +79,7 @@ merge_sample(const shb_tile *tile, int layers, ptrdiff_t at, float z, uint32_t i
 static inline __attribute__((always_inline)) void
 draw_tiny(const shb_tile *tile, int layers, const chunk_boxes *boxes, const tiny_samples *samples,
           int t, uint32_t id) {
-    const ptrdiff_t at = boxes->y[t] * tile->stride + boxes->x[t];
+    const ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + boxes->x[t] - tile->x0;
     merge_sample(tile, layers, at, samples->depth[0][t], id);
     merge_sample(tile, layers, at + 1, samples->depth[1][t], id);
     merge_sample(tile, layers, at + tile->stride, samples->depth[2][t], id);
@@ -122,14 +123,14 @@ draw_classes(const shb_chunk *chunk, const shb_tile *tile, int layers, const chu
     }
 }
 
-static bool any_kept(int count, const chunk_boxes *boxes) {
-    int32_t any = 0;
+static uint32_t count_kept(int count, const chunk_boxes *boxes) {
+    int32_t kept = 0;
     for (int t = 0; t < count; t++)
-        any |= boxes->kept[t];
-    return any != 0;
+        kept += boxes->kept[t];
+    return (uint32_t)kept;
 }
 
-static void draw(const shb_chunk *chunk, const shb_tile *tile) {
+static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     const int count = (int)chunk->count;
     chunk_corners corners;
     chunk_boxes boxes;
@@ -137,9 +138,10 @@ static void draw(const shb_chunk *chunk, const shb_tile *tile) {
     tiny_samples samples;
     uint8_t classes[SHB_CHUNK];
     fetch_corners(chunk, &corners);
-    find_boxes(chunk, &corners, tile->x0, tile->y0, tile->x1, tile->y1, &boxes);
-    if (!any_kept(count, &boxes))
-        return;
+    find_boxes(chunk, &corners, tile->x0, tile->y0, tile->right, tile->y1, &boxes);
+    const uint32_t kept = count_kept(count, &boxes);
+    if (kept == 0)
+        return 0;
     set_up_edges(count, &boxes, &planes);
     set_up_depths(count, &corners, &boxes, &planes);
     classify(count, tile, &boxes, &planes, classes);
@@ -157,6 +159,7 @@ static void draw(const shb_chunk *chunk, const shb_tile *tile) {
     default:
         draw_classes(chunk, tile, layers, &boxes, &planes, &samples, classes);
     }
+    return kept;
 }
 
 static void summarize(const shb_chunk *chunk, uint32_t width, uint32_t height,
@@ -167,7 +170,7 @@ static void summarize(const shb_chunk *chunk, uint32_t width, uint32_t height,
     fetch_corners(chunk, &corners);
     find_boxes(chunk, &corners, 0, 0, (int32_t)width, (int32_t)height, &boxes);
     int32_t x0 = INT32_MAX, y0 = INT32_MAX, x1 = INT32_MIN, y1 = INT32_MIN;
-    uint32_t drawn = 0, coded = 0;
+    uint32_t drawn = 0;
     for (int t = 0; t < count; t++) {
         const bool kept = boxes.kept[t] != 0;
         x0 = kept ? MIN(x0, boxes.x[t]) : x0;
@@ -175,7 +178,6 @@ static void summarize(const shb_chunk *chunk, uint32_t width, uint32_t height,
         x1 = kept ? MAX(x1, boxes.x[t] + boxes.width[t]) : x1;
         y1 = kept ? MAX(y1, boxes.y[t] + boxes.height[t]) : y1;
         drawn += kept;
-        coded += corners.code[t] != 0;
     }
-    *summary = (shb_chunk_summary){x0, y0, x1, y1, drawn, coded};
+    *summary = (shb_chunk_summary){x0, y0, x1, y1, drawn};
 }

@@ -52,7 +52,7 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
         const double careful_base = planes->base[t] + planes->step_y[t] * j;
         W(wi) edge[3] = {row[0], row[1], row[2]};
         W(wf) column = columns;
-        ptrdiff_t at = y * tile->stride + left;
+        ptrdiff_t at = (y - tile->y0) * tile->stride + left - tile->x0;
         for (int32_t i = 0; i < right - left; i += LANES, at += LANES) {
             const W(wf) z = plain ? W(wf_add)(base, W(wf_mul)(depth_x, column))
                                   : W(wf_plane)(careful_base, planes->step_x[t],
@@ -135,7 +135,7 @@ W(draw_rows)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
     const W(wf) along = W(wf_mul)(W(wf_splat)(planes->depth_x[t]),
                                   W(wf_add)(W(wf_splat)((float)shift), W(wf_lanes)()));
     const float base = planes->depth[t], depth_y = planes->depth_y[t];
-    ptrdiff_t at = boxes->y[t] * tile->stride + left;
+    ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + left - tile->x0;
     for (int j = 0; j < height; j++, at += tile->stride) {
         const W(wf) z = W(wf_add)(W(wf_splat)(base + depth_y * (float)j), along);
         W(merge)(tile, layers, at, W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]), z, id);

@@ -7,12 +7,13 @@
 #define MAX(a, b) ((a) > (b) ? (a) : (b))
 
 typedef double pair __attribute__((vector_size(16)));
+typedef uint64_t code_pair __attribute__((vector_size(16)));
 
 /* Window corners of the chunk's triangles. */
 typedef struct chunk_corners {
     SHB_ALIGN double x[3][SHB_CHUNK];
     double y[3][SHB_CHUNK], z[3][SHB_CHUNK];
-    double code[SHB_CHUNK]; /* 0 if the triangle needs no clipping */
+    uint64_t code[SHB_CHUNK]; /* of any corner */
 } chunk_corners;
 
 /* Snapped corners, boxes and areas. The box is that of all samples that the triangle can cover. */
@@ -51,16 +52,16 @@ static void fetch_corners(const shb_chunk *chunk, chunk_corners *corners) {
     const uint32_t *indices = widen_indices(chunk, widened);
     for (uint32_t t = 0; t < chunk->count; t += 2) {
         const uint32_t u = t + 1 < chunk->count ? t + 1 : t;
-        pair code = {0, 0};
+        code_pair code = {0, 0};
         for (int k = 0; k < 3; k++) {
-            const pair *a = (const pair *)&chunk->vertices[indices[3 * t + k]];
-            const pair *b = (const pair *)&chunk->vertices[indices[3 * u + k]];
+            const pair *a = (const pair *)&chunk->vertices[indices[3 * t + (uint32_t)k]];
+            const pair *b = (const pair *)&chunk->vertices[indices[3 * u + (uint32_t)k]];
             *(pair *)&corners->x[k][t] = (pair){a[0][0], b[0][0]};
             *(pair *)&corners->y[k][t] = (pair){a[0][1], b[0][1]};
             *(pair *)&corners->z[k][t] = (pair){a[1][0], b[1][0]};
-            code += (pair){a[1][1], b[1][1]};
+            code |= (code_pair)(pair){a[1][1], b[1][1]};
         }
-        *(pair *)&corners->code[t] = code;
+        *(code_pair *)&corners->code[t] = code;
     }
 }
 
@@ -90,7 +91,7 @@ static void find_boxes(const shb_chunk *chunk, const chunk_corners *corners, int
         const double area = (double)(bx - ax) * (double)(cy - ay) -
                             (double)(cx - ax) * (double)(by - ay);
         boxes->area[t] = area;
-        boxes->kept[t] = (corners->code[t] == 0) &
+        boxes->kept[t] = ((corners->code[t] & SHB_CODE_UNUSABLE) == 0) &
                          (((area > 0) & keep_positive) | ((area < 0) & keep_negative)) &
                          (MAX(left, x0) <= MIN(right, x1 - 1)) &
                          (MAX(top, y0) <= MIN(bottom, y1 - 1));

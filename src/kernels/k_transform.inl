@@ -4,7 +4,8 @@
 
 typedef struct vertex_block {
     SHB_ALIGN double x[VERTEX_BLOCK];
-    double y[VERTEX_BLOCK], z[VERTEX_BLOCK], code[VERTEX_BLOCK];
+    double y[VERTEX_BLOCK], z[VERTEX_BLOCK];
+    uint64_t code[VERTEX_BLOCK];
 } vertex_block;
 
 static void load_positions(const shb_transform_job *job, size_t first, size_t count,
@@ -17,40 +18,42 @@ static void load_positions(const shb_transform_job *job, size_t first, size_t co
     }
 }
 
-/* Whether the vertex is finite, in front of the near plane and inside the guard band. */
-static inline bool is_usable(const shb_transform_job *job, const double v[4]) {
-    bool usable = (fabs(v[0]) <= SHB_CLIP_MAX) & (fabs(v[1]) <= SHB_CLIP_MAX) &
-                  (fabs(v[2]) <= SHB_CLIP_MAX) & (fabs(v[3]) <= SHB_CLIP_MAX) &
-                  (v[3] >= SHB_W_MIN);
-    usable &= job->plane_sign[0] * v[2] + job->plane_offset[0] * v[3] >= 0;
-    usable &= job->plane_sign[1] * v[0] + job->plane_offset[1] * v[3] >= 0;
-    usable &= job->plane_sign[2] * v[0] + job->plane_offset[2] * v[3] >= 0;
-    usable &= job->plane_sign[3] * v[1] + job->plane_offset[3] * v[3] >= 0;
-    usable &= job->plane_sign[4] * v[1] + job->plane_offset[4] * v[3] >= 0;
-    return usable;
+static inline __attribute__((always_inline)) double distance(const shb_clip_plane *plane,
+                                                             double coordinate, double w) {
+    return plane->sign * coordinate + plane->offset * w;
 }
 
 static inline __attribute__((always_inline)) void
 transform_block(const shb_transform_job *job, size_t count, bool affine, vertex_block *block) {
     const double *m = job->clip_from_mesh;
+    const shb_clip_plane *cut = job->volume->cut;
+    const double half_width = job->half_width, half_height = job->half_height;
     for (size_t i = 0; i < count; i++) {
-        const double x = block->x[i], y = block->y[i], z = block->z[i];
-        double v[4];
-        v[0] = ((m[0] * x + m[4] * y) + m[8] * z) + m[12];
-        v[1] = ((m[1] * x + m[5] * y) + m[9] * z) + m[13];
-        v[2] = ((m[2] * x + m[6] * y) + m[10] * z) + m[14];
-        v[3] = affine ? 1.0 : ((m[3] * x + m[7] * y) + m[11] * z) + m[15];
-        const bool usable = is_usable(job, v);
-        const double scale = affine ? 1.0 : 1.0 / v[3];
-        block->x[i] = usable ? (v[0] * scale) * job->half_width + job->half_width : 0.0;
-        block->y[i] = usable ? (v[1] * scale) * -job->half_height + job->half_height : 0.0;
-        block->z[i] = usable ? v[2] * scale : 0.0;
-        block->code[i] = usable ? 0.0 : 1.0;
+        const double px = block->x[i], py = block->y[i], pz = block->z[i];
+        const double x = ((m[0] * px + m[4] * py) + m[8] * pz) + m[12];
+        const double y = ((m[1] * px + m[5] * py) + m[9] * pz) + m[13];
+        const double z = ((m[2] * px + m[6] * py) + m[10] * pz) + m[14];
+        const double w = affine ? 1.0 : ((m[3] * px + m[7] * py) + m[11] * pz) + m[15];
+        const bool finite = (fabs(x) <= SHB_CLIP_MAX) & (fabs(y) <= SHB_CLIP_MAX) &
+                            (fabs(z) <= SHB_CLIP_MAX) & (fabs(w) <= SHB_CLIP_MAX);
+        const double near = distance(&cut[0], z, w);
+        const double left = distance(&cut[1], x, w), right = distance(&cut[2], x, w);
+        const double top = distance(&cut[3], y, w), bottom = distance(&cut[4], y, w);
+        const bool usable = finite & (w >= SHB_W_MIN) & (near >= 0) & (left >= 0) &
+                            (right >= 0) & (top >= 0) & (bottom >= 0);
+        const double inverse_w = affine ? 1.0 : 1.0 / w;
+        block->x[i] = usable ? (x * inverse_w) * half_width + half_width : 0.0;
+        block->y[i] = usable ? (y * inverse_w) * -half_height + half_height : 0.0;
+        block->z[i] = usable ? z * inverse_w : 0.0;
+        block->code[i] = (usable ? 0u : SHB_CODE_UNUSABLE) | (finite ? 0u : SHB_CODE_NOT_FINITE) |
+                         (x + w < 0 ? 4u : 0u) | (w - x < 0 ? 8u : 0u) | (y + w < 0 ? 16u : 0u) |
+                         (w - y < 0 ? 32u : 0u);
     }
 }
 
-static void transform(const shb_transform_job *job) {
+static bool transform(const shb_transform_job *job) {
     vertex_block block;
+    uint64_t codes = 0;
     for (size_t first = 0; first < job->count; first += VERTEX_BLOCK) {
         const size_t left = job->count - first;
         const size_t count = left < VERTEX_BLOCK ? left : VERTEX_BLOCK;
@@ -59,8 +62,11 @@ static void transform(const shb_transform_job *job) {
             transform_block(job, count, true, &block);
         else
             transform_block(job, count, false, &block);
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
+            codes |= block.code[i];
             job->vertices[first + i] =
                 (shb_vertex){block.x[i], block.y[i], block.z[i], block.code[i]};
+        }
     }
+    return (codes & SHB_CODE_UNUSABLE) != 0;
 }

@@ -1,7 +1,7 @@
 #include "target.h"
 
 #if defined(__x86_64__)
-SHB_TARGET_BEGIN("avx2,avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")
+SHB_TARGET_BEGIN("avx2,avx512f,avx512vl,avx512dq,avx512bw")
 #include "wide_avx2.h"
 #include "wide_avx512.h"
 #define NARROW 8

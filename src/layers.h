@@ -1,0 +1,46 @@
+/* The layers of a rectangle of the target while triangles are drawn into it, and the scalar way of
+ * drawing a triangle: the reference for the kernels, and the way of all triangles that are cut.
+ *
+ * An edge from a to b is e(p) = dx * (p.y - a.y) - dy * (p.x - a.x), exact in 64 bits, positive
+ * inside. A sample on an edge is covered if the edge is a left one (dy < 0) or a top one (dy = 0,
+ * dx > 0), which is where the inside begins for a sample moved by (s, s^2), s infinitely small: so
+ * each sample belongs to exactly one side of an edge. With a bias of -1 for all other edges covered
+ * means e + bias >= 0.
+ *
+ * Neighbouring samples differ by 256 dx or 256 dy, so 256 can be divided out without changing a
+ * sign: e(i, j) = floor((e(0, 0) + bias) / 256) + dx * j - dy * i. |dx|, |dy| <= 2^23 and |e(0, 0)|
+ * <= 2^47 from any sample of the target. In a block of 64 by 64 samples, widened to 80 by whole
+ * vectors, an edge that changes sign is bounded by (|dx| + |dy|) * 80 < 2^31 there, so that 32 bits
+ * are enough for it; any other edge accepts or rejects the whole block. */
+#ifndef SRC_LAYERS_H
+#define SRC_LAYERS_H
+
+#include "plane.h"
+
+/* Depths are canonical. Sample (column, row) is element (row - samples.first_row) * pitch + column -
+ * samples.first_column of each array. */
+typedef struct shb_layers {
+    shb_samples samples;
+    size_t pitch;
+    float *nearest;
+    float *second; /* NULL: not wanted */
+    uint32_t *ids; /* NULL: not wanted */
+} shb_layers;
+
+/* Layers of pitch * rows samples for each of count lanes, in the context's scratch, with what the
+ * description wants; their samples are for the caller to choose. NULL: out of memory. */
+shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc, size_t count,
+                               size_t pitch, size_t rows);
+
+/* Far depths and no ids. */
+void shb_layers_clear(const shb_layers *layers, bool reversed);
+
+/* Merges a drawn shape. The order of shapes does not matter: at each sample the lowest (depth, id) is
+ * the nearest layer, the next depth is the second. */
+void shb_layers_draw(const shb_layers *layers, const shb_target *target, const shb_shape *shape,
+                     uint32_t id);
+
+/* Stores the samples in the images that the description wants, except where a layer is the image. */
+void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc);
+
+#endif

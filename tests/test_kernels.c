@@ -1,0 +1,214 @@
+#include "random.h"
+#include "shadowbias/shadowbias.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Every instruction set has to give the very bits of the scalar code. */
+
+typedef struct picture {
+    float *depth, *second;
+    uint32_t *ids;
+    uint16_t *unorm16;
+    shb_draw_stats stats;
+} picture;
+
+typedef struct scene_case {
+    shb_scene scene;
+    shb_view view;
+    uint32_t width, height;
+} scene_case;
+
+static picture draw_picture(const scene_case *drawn, shb_isa isa, uint32_t threads,
+                            uint32_t tile_size) {
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(&(shb_context_desc){.max_isa = isa, .threads = threads}, &context),
+              SHB_OK);
+    const size_t count = (size_t)drawn->width * drawn->height;
+    picture made = {malloc(count * 4), malloc(count * 4), malloc(count * 4), malloc(count * 2),
+                    {0}};
+    shb_draw_desc desc = {.view = &drawn->view,
+                          .scene = &drawn->scene,
+                          .width = drawn->width,
+                          .height = drawn->height,
+                          .depth = {.texels = made.depth},
+                          .tile_size = tile_size};
+    CHECK_INT(shb_draw(context, &desc, &made.stats), SHB_OK);
+    float *depth_alone = malloc(count * 4);
+    memcpy(depth_alone, made.depth, count * 4);
+    desc.second.texels = made.second;
+    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+    CHECK(memcmp(depth_alone, made.depth, count * 4) == 0);
+    desc.ids = made.ids;
+    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+    CHECK(memcmp(depth_alone, made.depth, count * 4) == 0);
+    desc.second.texels = NULL;
+    uint32_t *ids_alone = malloc(count * 4);
+    desc.ids = ids_alone;
+    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+    CHECK(memcmp(ids_alone, made.ids, count * 4) == 0);
+    desc.depth = (shb_depth_image){made.unorm16, 0, SHB_FORMAT_UNORM16};
+    desc.ids = NULL;
+    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+    free(depth_alone);
+    free(ids_alone);
+    shb_context_destroy(context);
+    return made;
+}
+
+static void free_picture(picture *freed) {
+    free(freed->depth);
+    free(freed->second);
+    free(freed->ids);
+    free(freed->unorm16);
+}
+
+static void check_same(const scene_case *drawn, const picture *a, const picture *b) {
+    const size_t count = (size_t)drawn->width * drawn->height;
+    CHECK(memcmp(a->depth, b->depth, count * 4) == 0);
+    CHECK(memcmp(a->second, b->second, count * 4) == 0);
+    CHECK(memcmp(a->ids, b->ids, count * 4) == 0);
+    CHECK(memcmp(a->unorm16, b->unorm16, count * 2) == 0);
+    CHECK(memcmp(&a->stats, &b->stats, sizeof a->stats) == 0);
+}
+
+static void check_all_agree(const scene_case *drawn) {
+    picture reference = draw_picture(drawn, SHB_ISA_SCALAR, 2, 64);
+    const shb_isa sets[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SHB_ISA_NEON};
+    const struct {
+        uint32_t threads, tile_size;
+    } ways[] = {{1, 0}, {2, 0}, {3, 64}, {1, 16}};
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++)
+        for (size_t k = 0; k < sizeof ways / sizeof *ways; k++) {
+            picture other = draw_picture(drawn, sets[i], ways[k].threads, ways[k].tile_size);
+            check_same(drawn, &reference, &other);
+            free_picture(&other);
+        }
+    free_picture(&reference);
+}
+
+/* A soup of triangles around the origin: each corner lies within size of the triangle's centre. */
+static shb_mesh random_soup(test_random *random, uint32_t triangles, double spread, double size) {
+    float *positions = malloc(triangles * 9 * sizeof *positions);
+    for (uint32_t t = 0; t < triangles; t++) {
+        double centre[3];
+        for (int axis = 0; axis < 3; axis++)
+            centre[axis] = random_double(random, -spread, spread);
+        for (int i = 0; i < 9; i++)
+            positions[9 * t + i] = (float)(centre[i % 3] + random_double(random, -size, size));
+    }
+    return (shb_mesh){
+        .positions = positions, .vertex_count = 3 * triangles, .triangle_count = triangles};
+}
+
+static void check_soup(shb_view view, uint32_t width, uint32_t height, double size,
+                       uint32_t triangles, uint64_t seed) {
+    test_random random = {seed};
+    const shb_mesh mesh = random_soup(&random, triangles, 1.0, size);
+    const shb_instance instances[2] = {
+        {.mesh = &mesh},
+        {.mesh = &mesh,
+         .cull = SHB_CULL_BACK,
+         .world_from_mesh = shb_mat4_rotation((shb_vec3){1, 2, 3}, 0.7)},
+    };
+    check_all_agree(&(scene_case){{instances, 2}, view, width, height});
+    free((void *)(uintptr_t)mesh.positions);
+}
+
+static shb_view orthographic(bool reversed) {
+    shb_view view = {0};
+    CHECK_INT(shb_view_orthographic((shb_vec3){2, 3, 4}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0},
+                                    1.5, 1.5, 0.5, 9, reversed, &view),
+              SHB_OK);
+    return view;
+}
+
+static shb_view perspective(double distance, double far_distance, bool reversed) {
+    shb_view view = {0};
+    CHECK_INT(shb_view_perspective((shb_vec3){distance, 0.1, 0.2}, (shb_vec3){0, 0, 0},
+                                   (shb_vec3){0, 1, 0}, 1.2, 1.25, 0.01, far_distance, reversed,
+                                   &view),
+              SHB_OK);
+    return view;
+}
+
+TEST(kernels_draw_tiny_triangles_like_the_scalar_code) {
+    check_soup(orthographic(false), 256, 256, 0.012, 20000, 1);
+    check_soup(orthographic(true), 250, 131, 0.012, 5000, 2);
+}
+
+TEST(kernels_draw_triangles_of_some_texels_like_the_scalar_code) {
+    check_soup(orthographic(false), 256, 256, 0.1, 4000, 3);
+    check_soup(perspective(3, 100, true), 320, 200, 0.1, 4000, 4);
+}
+
+TEST(kernels_draw_large_triangles_like_the_scalar_code) {
+    check_soup(orthographic(false), 512, 512, 1.5, 60, 5);
+    check_soup(perspective(3, INFINITY, false), 333, 257, 1.0, 60, 6);
+}
+
+TEST(kernels_draw_around_the_eye_like_the_scalar_code) {
+    check_soup(perspective(0.2, INFINITY, true), 256, 192, 0.5, 500, 7);
+    check_soup(perspective(0.3, 10, false), 176, 144, 3.0, 200, 8);
+}
+
+/* Needles, points, duplicates, far vertices, NaN: what meshes should not hold. */
+TEST(kernels_draw_nasty_triangles_like_the_scalar_code) {
+    test_random random = {9};
+    shb_mesh mesh = random_soup(&random, 600, 1.0, 0.2);
+    float *p = (float *)(uintptr_t)mesh.positions;
+    for (uint32_t t = 0; t < 600; t++, p += 9)
+        switch (t % 10) {
+        case 0: /* almost a line */
+            for (int i = 0; i < 3; i++)
+                p[6 + i] = p[i] + (p[3 + i] - p[i]) * 0.37f + 1e-7f * (float)i;
+            break;
+        case 1: /* a line */
+            memcpy(p + 6, p, 3 * sizeof *p);
+            break;
+        case 2: /* a duplicate of the triangle before, turned round */
+            memcpy(p, p - 6, 3 * sizeof *p);
+            memcpy(p + 3, p - 9, 3 * sizeof *p);
+            memcpy(p + 6, p - 3, 3 * sizeof *p);
+            break;
+        case 3:
+            p[random_below(&random, 9)] = NAN;
+            break;
+        case 4:
+            p[random_below(&random, 9)] = INFINITY;
+            break;
+        case 5:
+            p[random_below(&random, 9)] = 1e30f;
+            break;
+        case 6:
+            p[random_below(&random, 9)] = -40000.0f;
+            break;
+        default:
+            break;
+        }
+    const shb_instance instance = {.mesh = &mesh};
+    check_all_agree(&(scene_case){{&instance, 1}, orthographic(false), 192, 192});
+    check_all_agree(&(scene_case){{&instance, 1}, perspective(2, 50, true), 192, 160});
+    free((void *)(uintptr_t)mesh.positions);
+}
+
+TEST(kernels_read_16_bit_indices_and_strides_like_the_scalar_code) {
+    test_random random = {11};
+    enum { VERTICES = 500, TRIANGLES = 777 };
+    float positions[VERTICES * 5];
+    uint16_t indices[TRIANGLES * 3];
+    for (int i = 0; i < VERTICES * 5; i++)
+        positions[i] = (float)random_double(&random, -1, 1);
+    for (int i = 0; i < TRIANGLES * 3; i++)
+        indices[i] = (uint16_t)random_below(&random, VERTICES);
+    const shb_mesh mesh = {.positions = positions,
+                           .position_stride = 20,
+                           .vertex_count = VERTICES,
+                           .indices = indices,
+                           .index_size = 2,
+                           .triangle_count = TRIANGLES};
+    const shb_instance instance = {.mesh = &mesh, .cull = SHB_CULL_FRONT};
+    check_all_agree(&(scene_case){{&instance, 1}, orthographic(false), 128, 128});
+}
