@@ -14,24 +14,24 @@ enum {
     CLASS_LARGE_CAREFUL
 };
 
-static void classify(int count, const shb_tile *tile, const chunk_boxes *boxes,
-                     const chunk_planes *planes, uint8_t classes[SHB_CHUNK]) {
+/* Comparisons are written as signs of differences, which stay within 2^17: vectors of integers. */
+static void classify(int count, const shb_tile *tile, const chunk_boxes *restrict boxes,
+                     const chunk_planes *restrict planes, uint8_t classes[SHB_CHUNK]) {
     int32_t wide[SHB_CHUNK];
+    const int32_t x0 = tile->x0, y0 = tile->y0, x1 = tile->x1, y1 = tile->y1;
     for (int t = 0; t < count; t++) {
         const int32_t x = boxes->x[t], y = boxes->y[t];
         const int32_t width = boxes->width[t], height = boxes->height[t];
-        const int32_t rows_inside = (y >= tile->y0) & (y + height <= tile->y1);
-        const int32_t plain = planes->plain[t];
-        const bool large = (width > SHB_SMALL) | (height > SHB_SMALL);
-        int32_t class = large ? CLASS_LARGE : CLASS_SMALL;
-        class += plain ? 0 : 1;
-        const int32_t in_rows = plain & rows_inside & (width <= NARROW) & (height <= ROWS_MAX) &
-                                (x >= tile->x0) & (x + width <= tile->x1);
-        class = in_rows ? height : class;
-        const int32_t tiny = in_rows & (width <= 2) & (height <= 2) & (x + 2 <= tile->x1) &
-                             (y + 2 <= tile->y1);
-        class = tiny ? CLASS_TINY : class;
-        wide[t] = boxes->kept[t] ? class : CLASS_NONE;
+        const int32_t not_small = (SHB_SMALL - width) | (SHB_SMALL - height);
+        const int32_t outside = (x - x0) | (y - y0) | (x1 - x - width) | (y1 - y - height);
+        const int32_t not_rows = outside | (NARROW - width) | (ROWS_MAX - height);
+        const int32_t not_tiny = not_rows | (2 - width) | (2 - height) | (x1 - x - 2) | (y1 - y - 2);
+        const int32_t careful = not_small < 0 ? CLASS_LARGE_CAREFUL : CLASS_SMALL_CAREFUL;
+        int32_t class = not_small < 0 ? CLASS_LARGE : CLASS_SMALL;
+        class = not_rows < 0 ? class : height;
+        class = not_tiny < 0 ? class : CLASS_TINY;
+        class = planes->plain[t] == 0 ? careful : class;
+        wide[t] = boxes->kept[t] == 0 ? CLASS_NONE : class;
     }
     for (int t = 0; t < count; t++)
         classes[t] = (uint8_t)wide[t];
@@ -41,10 +41,11 @@ static void classify(int count, const shb_tile *tile, const chunk_boxes *boxes,
 /* The four samples of each tiny triangle: its depth, or beyond the far depth where it is outside. */
 typedef struct tiny_samples {
     SHB_ALIGN float depth[4][SHB_CHUNK];
-    int32_t any[SHB_CHUNK];
+    int32_t none[SHB_CHUNK]; /* -1 if all four are outside */
 } tiny_samples;
 
-static void sample_tiny(int count, const chunk_planes *planes, tiny_samples *samples) {
+static void sample_tiny(int count, const chunk_planes *restrict planes,
+                        tiny_samples *restrict samples) {
     const float outside = 2.0f;
     for (int t = 0; t < count; t++) {
         const int32_t a = planes->edge[0][t], ax = planes->edge_x[0][t], ay = planes->edge_y[0][t];
@@ -58,7 +59,7 @@ static void sample_tiny(int count, const chunk_planes *planes, tiny_samples *sam
         samples->depth[1][t] = e1 < 0 ? outside : upper + planes->depth_x[t];
         samples->depth[2][t] = e2 < 0 ? outside : lower;
         samples->depth[3][t] = e3 < 0 ? outside : lower + planes->depth_x[t];
-        samples->any[t] = (e0 & e1 & e2 & e3) >= 0;
+        samples->none[t] = (e0 & e1 & e2 & e3) >> 31;
     }
 }
 
@@ -123,13 +124,6 @@ draw_classes(const shb_chunk *chunk, const shb_tile *tile, int layers, const chu
     }
 }
 
-static uint32_t count_kept(int count, const chunk_boxes *boxes) {
-    int32_t kept = 0;
-    for (int t = 0; t < count; t++)
-        kept += boxes->kept[t];
-    return (uint32_t)kept;
-}
-
 static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     const int count = (int)chunk->count;
     chunk_corners corners;
@@ -137,9 +131,8 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     chunk_planes planes;
     tiny_samples samples;
     uint8_t classes[SHB_CHUNK];
-    fetch_corners(chunk, &corners);
-    find_boxes(chunk, &corners, tile->x0, tile->y0, tile->right, tile->y1, &boxes);
-    const uint32_t kept = count_kept(count, &boxes);
+    const uint32_t kept = look_at_chunk(chunk, tile->x0, tile->y0, tile->right, tile->y1, &corners,
+                                        &boxes);
     if (kept == 0)
         return 0;
     set_up_edges(count, &boxes, &planes);
@@ -147,7 +140,7 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     classify(count, tile, &boxes, &planes, classes);
     sample_tiny(count, &planes, &samples);
     for (int t = 0; t < count; t++)
-        classes[t] = classes[t] == CLASS_TINY && !samples.any[t] ? CLASS_NONE : classes[t];
+        classes[t] = classes[t] == CLASS_TINY && samples.none[t] ? CLASS_NONE : classes[t];
     const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0);
     switch (layers) {
     case 0:
@@ -167,17 +160,15 @@ static void summarize(const shb_chunk *chunk, uint32_t width, uint32_t height,
     const int count = (int)chunk->count;
     chunk_corners corners;
     chunk_boxes boxes;
-    fetch_corners(chunk, &corners);
-    find_boxes(chunk, &corners, 0, 0, (int32_t)width, (int32_t)height, &boxes);
+    const uint32_t drawn =
+        look_at_chunk(chunk, 0, 0, (int32_t)width, (int32_t)height, &corners, &boxes);
     int32_t x0 = INT32_MAX, y0 = INT32_MAX, x1 = INT32_MIN, y1 = INT32_MIN;
-    uint32_t drawn = 0;
     for (int t = 0; t < count; t++) {
         const bool kept = boxes.kept[t] != 0;
         x0 = kept ? MIN(x0, boxes.x[t]) : x0;
         y0 = kept ? MIN(y0, boxes.y[t]) : y0;
         x1 = kept ? MAX(x1, boxes.x[t] + boxes.width[t]) : x1;
         y1 = kept ? MAX(y1, boxes.y[t] + boxes.height[t]) : y1;
-        drawn += kept;
     }
     *summary = (shb_chunk_summary){x0, y0, x1, y1, drawn};
 }

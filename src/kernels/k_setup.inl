@@ -22,7 +22,7 @@ typedef struct chunk_boxes {
     int32_t corner_y[3][SHB_CHUNK];
     int32_t x[SHB_CHUNK], y[SHB_CHUNK], width[SHB_CHUNK], height[SHB_CHUNK];
     int32_t kept[SHB_CHUNK]; /* 1: faces the right way, covers a sample's box in the region */
-    double area[SHB_CHUNK];
+    int32_t sign[SHB_CHUNK]; /* -1 if the area is negative, else 1 */
 } chunk_boxes;
 
 /* Edges and depths, counted from the box's first sample. A sample is inside where no edge value is
@@ -46,10 +46,11 @@ static const uint32_t *widen_indices(const shb_chunk *chunk, uint32_t indices[3 
     return indices;
 }
 
-/* Transposes the corners of two triangles at a time. */
-static void fetch_corners(const shb_chunk *chunk, chunk_corners *corners) {
+/* Transposes the corners of two triangles at a time. Returns the codes of all. */
+static uint64_t fetch_corners(const shb_chunk *chunk, chunk_corners *corners) {
     uint32_t widened[3 * SHB_CHUNK];
     const uint32_t *indices = widen_indices(chunk, widened);
+    code_pair codes = {0, 0};
     for (uint32_t t = 0; t < chunk->count; t += 2) {
         const uint32_t u = t + 1 < chunk->count ? t + 1 : t;
         code_pair code = {0, 0};
@@ -62,48 +63,81 @@ static void fetch_corners(const shb_chunk *chunk, chunk_corners *corners) {
             code |= (code_pair)(pair){a[1][1], b[1][1]};
         }
         *(code_pair *)&corners->code[t] = code;
+        codes |= code;
     }
+    return codes[0] | codes[1];
 }
 
-/* Kept are triangles with a box in the rectangle. */
-static void find_boxes(const shb_chunk *chunk, const chunk_corners *corners, int32_t x0, int32_t y0,
-                       int32_t x1, int32_t y1, chunk_boxes *boxes) {
-    const int count = (int)chunk->count;
+static void snap_corners(int count, const chunk_corners *restrict corners,
+                         chunk_boxes *restrict boxes) {
     for (int k = 0; k < 3; k++)
         for (int t = 0; t < count; t++) {
             boxes->corner_x[k][t] = (int32_t)((corners->x[k][t] * 256 + SNAP_MAGIC) - SNAP_MAGIC);
             boxes->corner_y[k][t] = (int32_t)((corners->y[k][t] * 256 + SNAP_MAGIC) - SNAP_MAGIC);
         }
-    const int keep_positive = chunk->keep_positive, keep_negative = chunk->keep_negative;
+}
+
+/* Differences stay below 2^23, products below 2^46: exact in double. */
+static void find_areas(const shb_chunk *chunk, chunk_boxes *restrict boxes) {
+    const double keep_positive = chunk->keep_positive ? 1.0 : 0.0;
+    const double keep_negative = chunk->keep_negative ? 1.0 : 0.0;
+    const int count = (int)chunk->count;
+    for (int t = 0; t < count; t++) {
+        const int32_t ax = boxes->corner_x[0][t], ay = boxes->corner_y[0][t];
+        const double bx = boxes->corner_x[1][t] - ax, by = boxes->corner_y[1][t] - ay;
+        const double cx = boxes->corner_x[2][t] - ax, cy = boxes->corner_y[2][t] - ay;
+        const double area = bx * cy - cx * by;
+        const double facing = area > 0 ? keep_positive : keep_negative;
+        boxes->sign[t] = area < 0 ? -1 : 1;
+        boxes->kept[t] = (int32_t)(area == 0 ? 0.0 : facing);
+    }
+}
+
+/* Keeps triangles whose box has samples in the rectangle. */
+static void find_boxes(int count, int32_t x0, int32_t y0, int32_t x1, int32_t y1,
+                       chunk_boxes *restrict boxes) {
     for (int t = 0; t < count; t++) {
         const int32_t ax = boxes->corner_x[0][t], ay = boxes->corner_y[0][t];
         const int32_t bx = boxes->corner_x[1][t], by = boxes->corner_y[1][t];
         const int32_t cx = boxes->corner_x[2][t], cy = boxes->corner_y[2][t];
-        const int32_t lo_x = MIN(MIN(ax, bx), cx), hi_x = MAX(MAX(ax, bx), cx);
-        const int32_t lo_y = MIN(MIN(ay, by), cy), hi_y = MAX(MAX(ay, by), cy);
+        const int32_t lo_x = MIN(ax, MIN(bx, cx)), hi_x = MAX(ax, MAX(bx, cx));
+        const int32_t lo_y = MIN(ay, MIN(by, cy)), hi_y = MAX(ay, MAX(by, cy));
         const int32_t left = (lo_x + 127) >> 8, right = (hi_x - 129) >> 8;
         const int32_t top = (lo_y + 127) >> 8, bottom = (hi_y - 129) >> 8;
+        const int32_t columns = MIN(right, x1 - 1) - MAX(left, x0);
+        const int32_t rows = MIN(bottom, y1 - 1) - MAX(top, y0);
         boxes->x[t] = left;
         boxes->y[t] = top;
         boxes->width[t] = right - left + 1;
         boxes->height[t] = bottom - top + 1;
-        /* Differences stay below 2^23, products below 2^46: exact in double. */
-        const double area = (double)(bx - ax) * (double)(cy - ay) -
-                            (double)(cx - ax) * (double)(by - ay);
-        boxes->area[t] = area;
-        boxes->kept[t] = ((corners->code[t] & SHB_CODE_UNUSABLE) == 0) &
-                         (((area > 0) & keep_positive) | ((area < 0) & keep_negative)) &
-                         (MAX(left, x0) <= MIN(right, x1 - 1)) &
-                         (MAX(top, y0) <= MIN(bottom, y1 - 1));
+        boxes->kept[t] &= (columns | rows) < 0 ? 0 : 1;
     }
 }
 
+/* Everything about a chunk up to its boxes. Returns how many triangles are kept. */
+static uint32_t look_at_chunk(const shb_chunk *chunk, int32_t x0, int32_t y0, int32_t x1,
+                              int32_t y1, chunk_corners *corners, chunk_boxes *boxes) {
+    const int count = (int)chunk->count;
+    const uint64_t codes = fetch_corners(chunk, corners);
+    snap_corners(count, corners, boxes);
+    find_areas(chunk, boxes);
+    find_boxes(count, x0, y0, x1, y1, boxes);
+    if (codes & SHB_CODE_UNUSABLE)
+        for (int t = 0; t < count; t++)
+            boxes->kept[t] &= corners->code[t] & SHB_CODE_UNUSABLE ? 0 : 1;
+    int32_t kept = 0;
+    for (int t = 0; t < count; t++)
+        kept += boxes->kept[t];
+    return (uint32_t)kept;
+}
+
 /* Unsigned arithmetic wraps where a box is too large for 32 bits; such values are not used. */
-static void set_up_edges(int count, const chunk_boxes *boxes, chunk_planes *planes) {
+static void set_up_edges(int count, const chunk_boxes *restrict boxes,
+                         chunk_planes *restrict planes) {
     for (int k = 0; k < 3; k++) {
         const int next = k == 2 ? 0 : k + 1;
         for (int t = 0; t < count; t++) {
-            const int32_t sign = boxes->area[t] < 0 ? -1 : 1;
+            const int32_t sign = boxes->sign[t];
             const int32_t px = boxes->corner_x[k][t], py = boxes->corner_y[k][t];
             const int32_t dx = (boxes->corner_x[next][t] - px) * sign;
             const int32_t dy = (boxes->corner_y[next][t] - py) * sign;
@@ -111,7 +145,8 @@ static void set_up_edges(int count, const chunk_boxes *boxes, chunk_planes *plan
             const int32_t to_y = boxes->y[t] * 256 + 128 - py;
             const uint32_t value =
                 (uint32_t)dx * (uint32_t)to_y - (uint32_t)dy * (uint32_t)to_x;
-            const int32_t bias = -((dy > 0) | ((dy == 0) & (dx < 0)));
+            const int32_t top_left = dy < 0 ? 0 : -1;
+            const int32_t bias = dy == 0 ? dx >> 31 : top_left;
             planes->edge[k][t] = (int32_t)(value + (uint32_t)bias) >> 8;
             planes->edge_x[k][t] = -dy;
             planes->edge_y[k][t] = dx;
@@ -119,8 +154,9 @@ static void set_up_edges(int count, const chunk_boxes *boxes, chunk_planes *plan
     }
 }
 
-static void set_up_depths(int count, const chunk_corners *corners, const chunk_boxes *boxes,
-                          chunk_planes *planes) {
+/* Conditions are numbers, 1 or 0, so that the loop stays in vectors of doubles. */
+static void set_up_depths(int count, const chunk_corners *restrict corners,
+                          const chunk_boxes *restrict boxes, chunk_planes *restrict planes) {
     for (int t = 0; t < count; t++) {
         const double x0 = corners->x[0][t], y0 = corners->y[0][t], z0 = corners->z[0][t];
         const double dx1 = corners->x[1][t] - x0, dx2 = corners->x[2][t] - x0;
@@ -133,22 +169,24 @@ static void set_up_depths(int count, const chunk_corners *corners, const chunk_b
         const double to_x = ((double)boxes->x[t] + 0.5) - x0;
         const double to_y = ((double)boxes->y[t] + 0.5) - y0;
         const double base = (z0 + gx * to_x) + gy * to_y;
-        const double lo = MIN(MIN(z0, z1), z2), hi = MAX(MAX(z0, z1), z2);
+        const double lo = MIN(z0, MIN(z1, z2)), hi = MAX(z0, MAX(z1, z2));
         const double steep_x = fabs(gx), steep_y = fabs(gy);
-        const bool usable = (steep_x <= SHB_PLANE_MAX) & (steep_y <= SHB_PLANE_MAX) &
-                            (fabs(base) <= SHB_PLANE_MAX);
+        double usable = steep_x <= SHB_PLANE_MAX ? 1.0 : 0.0;
+        usable = steep_y <= SHB_PLANE_MAX ? usable : 0.0;
+        usable = fabs(base) <= SHB_PLANE_MAX ? usable : 0.0;
         const double width = boxes->width[t], height = boxes->height[t];
         const double smallest = MIN(fabs(lo), fabs(hi));
-        const bool plain = usable & (steep_x * width + steep_y * height <= 0.5 * smallest) &
-                           (width * height <= 128 * fabs(area)) &
-                           (steep_x + steep_y <= 16 * (hi - lo)) & (smallest >= 0x1p-64) &
-                           (smallest <= 0x1p64);
-        planes->base[t] = usable ? base : ((z0 + z1) + z2) / 3;
-        planes->step_x[t] = usable ? gx : 0;
-        planes->step_y[t] = usable ? gy : 0;
+        double plain = steep_x * width + steep_y * height <= 0.5 * smallest ? usable : 0.0;
+        plain = width * height <= 128 * fabs(area) ? plain : 0.0;
+        plain = steep_x + steep_y <= 16 * (hi - lo) ? plain : 0.0;
+        plain = smallest >= 0x1p-64 ? plain : 0.0;
+        plain = smallest <= 0x1p64 ? plain : 0.0;
+        planes->base[t] = usable > 0 ? base : ((z0 + z1) + z2) / 3;
+        planes->step_x[t] = usable > 0 ? gx : 0.0;
+        planes->step_y[t] = usable > 0 ? gy : 0.0;
         planes->lo[t] = lo;
         planes->hi[t] = MIN(hi, SHB_DEPTH_CEILING);
-        planes->plain[t] = plain;
+        planes->plain[t] = (int32_t)plain;
         planes->depth[t] = (float)base;
         planes->depth_x[t] = (float)gx;
         planes->depth_y[t] = (float)gy;
