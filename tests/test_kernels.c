@@ -97,7 +97,7 @@ static shb_mesh random_soup(test_random *random, uint32_t triangles, double spre
         for (int axis = 0; axis < 3; axis++)
             centre[axis] = random_double(random, -spread, spread);
         for (int i = 0; i < 9; i++)
-            positions[9 * t + i] = (float)(centre[i % 3] + random_double(random, -size, size));
+            positions[9 * t + (uint32_t)i] = (float)(centre[i % 3] + random_double(random, -size, size));
     }
     return (shb_mesh){
         .positions = positions, .vertex_count = 3 * triangles, .triangle_count = triangles};
