@@ -2,11 +2,12 @@
  *
  * World space is right-handed. Matrices are column-major and act on column vectors. Clip depth runs
  * from 0 at the near plane to 1 at the far plane (1 to 0 when reversed). Row 0 of an image or a map
- * is the top row, which is where clip y is +w; texel (i, j) is column i of row j and its centre lies
- * at (i + 0.5, j + 0.5). A front face is counter-clockwise as the camera sees it.
+ * is the top row, which is where clip y is +w; texel (i, j) is column i of row j and its centre
+ * lies at (i + 0.5, j + 0.5). A front face is counter-clockwise as the camera sees it.
  *
- * A zero-initialised description is valid wherever a comment gives 0 a meaning. On failure a function
- * leaves its outputs untouched. Everything below is thread-safe unless its comment says otherwise. */
+ * A zero-initialised description is valid wherever a comment gives 0 a meaning. On failure a
+ * function leaves its outputs untouched. Everything below is thread-safe unless its comment says
+ * otherwise. */
 #ifndef SHADOWBIAS_BASE_H
 #define SHADOWBIAS_BASE_H
 

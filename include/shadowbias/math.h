@@ -1,4 +1,4 @@
-/* Double-precision matrices and vectors: what is needed to describe cameras, lights and instances. */
+/* Double-precision matrices and vectors: what describes cameras, lights and instances. */
 #ifndef SHADOWBIAS_MATH_H
 #define SHADOWBIAS_MATH_H
 
@@ -42,7 +42,7 @@ shb_mat4 shb_mat4_look_at(shb_vec3 eye, shb_vec3 target, shb_vec3 up);
 shb_mat4 shb_mat4_perspective(double vertical_angle, double aspect, double near_distance,
                               double far_distance, bool reversed);
 
-/* Eye to clip space for a box of the given half sizes in front of the eye, near < far, both finite. */
+/* Eye to clip space for a box of these half sizes in front of the eye, near < far, both finite. */
 shb_mat4 shb_mat4_orthographic(double half_width, double half_height, double near_distance,
                                double far_distance, bool reversed);
 

@@ -8,8 +8,8 @@
 extern "C" {
 #endif
 
-/* Triangles by strided views. A triangle with a vertex that is not finite after its transform is left
- * out and counted; a triangle without area covers nothing. */
+/* Triangles by strided views. A triangle with a vertex that is not finite after its transform is
+ * left out and counted; a triangle without area covers nothing. */
 typedef struct shb_mesh {
     const float *positions;  /* x, y, z of each vertex in mesh units */
     size_t position_stride;  /* bytes from one vertex to the next, a multiple of 4; 0: 12 */
@@ -54,8 +54,8 @@ uint64_t shb_scene_triangle_count(const shb_scene *scene);
 shb_result shb_scene_bounds(const shb_scene *scene, shb_box *bounds);
 
 /* The three corners of a triangle in world units, in mesh order: float position times transform, in
- * double. SHB_ERROR_ARGUMENT if the scene has no such id or an index of the triangle is out of range.
- * Cost grows with the number of instances. */
+ * double. SHB_ERROR_ARGUMENT if the scene has no such id or an index of the triangle is out of
+ * range. Cost grows with the number of instances. */
 shb_result shb_scene_triangle(const shb_scene *scene, uint32_t id, shb_vec3 corners[3]);
 
 #ifdef __cplusplus
