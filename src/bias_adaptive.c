@@ -45,6 +45,6 @@ static void adaptive_soft_depth(const shb_bias_args *args) {
 shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold) {
     return (shb_bias){.name = "adaptive-soft",
                       .depth = adaptive_soft_depth,
-                      .needs = SHB_NEEDS_SLOPE | SHB_NEEDS_SCALE,
+                      .needs = SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE | SHB_NEEDS_SCALE,
                       .params = {k, scene_scale, threshold}};
 }

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Texel coordinates and depths of points far outside the map end here, so that a conversion to int
- * cannot overflow: 64 times the largest map. */
-#define COORDINATE_LIMIT 0x1p20
+/* Texel coordinates and depths of points far outside the map end here, so that neither a conversion
+ * to int nor a filter's walk from there can overflow. */
+#define LIMIT (-(double)SHB_TEXEL_NONE)
 
 static double dot3(const double *a, const double *b) {
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
@@ -103,7 +103,7 @@ static void project_affine(const shb_projection *p, size_t count,
         const double z = row_at(p->row_z, px, py, pz);
         const int good = is_finite(x) & is_finite(y) & is_finite(z);
         ndc->x[i] = good ? x : (double)NAN;
-        ndc->y[i] = y;
+        ndc->y[i] = good ? y : (double)NAN;
         ndc->z[i] = good ? z : 0;
         ndc->w[i] = 1;
     }
@@ -123,7 +123,7 @@ static void project_central(const shb_projection *p, size_t count,
         const double z = row_at(p->row_z, px, py, pz) * scale;
         const int good = is_finite(x) & is_finite(y) & is_finite(z) & (w > 0);
         ndc->x[i] = good ? x : (double)NAN;
-        ndc->y[i] = y;
+        ndc->y[i] = good ? y : (double)NAN;
         ndc->z[i] = good ? z : 0;
         ndc->w[i] = good ? w : 1;
     }
@@ -211,9 +211,10 @@ void shb_project_normals(const shb_projection *projection, size_t count,
     }
 }
 
-static inline double limited_coordinate(double value) {
-    const double low = value < -COORDINATE_LIMIT ? -COORDINATE_LIMIT : value;
-    return low > COORDINATE_LIMIT ? COORDINATE_LIMIT : low;
+/* NaN becomes the lower end, which is SHB_TEXEL_NONE for a coordinate. */
+static inline double limited(double value) {
+    const double low = value > -LIMIT ? value : -LIMIT;
+    return low < LIMIT ? low : LIMIT;
 }
 
 /* The texel that holds a coordinate; conversion to int rounds towards 0, so negative ones may need
@@ -228,17 +229,14 @@ void shb_project_texels(const shb_projection *projection, size_t count, const sh
     const shb_projection p = *projection;
     const size_t lanes = shb_round_to_lanes(count);
     for (size_t i = 0; i < lanes; i++) {
-        const double x = limited_coordinate((ndc->x[i] * 0.5 + 0.5) * p.width);
-        const double y = limited_coordinate((0.5 - ndc->y[i] * 0.5) * p.height);
-        const int inside = ndc->x[i] == ndc->x[i];
-        const double column = inside ? x : SHB_TEXEL_NONE + 0.5;
-        const double row = inside ? y : SHB_TEXEL_NONE + 0.5;
+        const double column = limited((ndc->x[i] * 0.5 + 0.5) * p.width);
+        const double row = limited((0.5 - ndc->y[i] * 0.5) * p.height);
         const int32_t texel_x = texel_of(column);
         const int32_t texel_y = texel_of(row);
         receivers->texel_x[i] = texel_x;
         receivers->texel_y[i] = texel_y;
         receivers->to_center_x[i] = (float)((double)texel_x + 0.5 - column);
         receivers->to_center_y[i] = (float)((double)texel_y + 0.5 - row);
-        receivers->depth[i] = (float)limited_coordinate(p.sign * ndc->z[i]);
+        receivers->depth[i] = (float)limited(p.sign * ndc->z[i]);
     }
 }

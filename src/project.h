@@ -12,8 +12,8 @@ static inline size_t shb_round_to_lanes(size_t count) {
     return (count + SHB_LANES - 1) / SHB_LANES * SHB_LANES;
 }
 
-/* Points in the light's normalised coordinates. x is NaN for a point that has none: behind the
- * light or not finite; its z is 0 and its w 1 then. */
+/* Points in the light's normalised coordinates. A point that has none, behind the light or not
+ * finite, has NaN for x and y, 0 for z and 1 for w. */
 typedef struct shb_ndc {
     SHB_ALIGN double x[SHB_BATCH];
     double y[SHB_BATCH];

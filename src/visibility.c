@@ -68,7 +68,7 @@ void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_fi
         shb_project_scales(projection, count, &ndc, receivers);
     if (bias->needs & SHB_NEEDS_SLOPE)
         shb_project_slopes(projection, count, &ndc, receivers);
-    if (needs_normals(bias))
+    if (bias->needs & SHB_NEEDS_NORMAL)
         shb_project_normals(projection, count, receivers);
     if (bias->offset) {
         bias->offset(&bias_args);

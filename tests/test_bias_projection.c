@@ -52,9 +52,9 @@ TEST(texels_outside_the_map_are_numbered_on) {
 TEST(far_coordinates_and_depths_end_at_a_limit) {
     const shb_view view = probe_orthographic(false);
     const probe seen = project(view, 8, 4, (shb_vec3){3e38, 3e38, -3e38});
-    CHECK_INT(seen.texel_x, 1 << 20);
-    CHECK_INT(seen.texel_y, -(1 << 20));
-    CHECK_NEAR(seen.depth, 1 << 20, 0);
+    CHECK_INT(seen.texel_x, 1 << 30);
+    CHECK_INT(seen.texel_y, -(1 << 30));
+    CHECK_NEAR(seen.depth, 1 << 30, 0);
 }
 
 TEST(points_behind_the_light_or_not_finite_have_no_texel) {

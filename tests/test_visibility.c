@@ -164,6 +164,44 @@ TEST(hosts_plug_in_methods_and_filters) {
     close_noise(&host);
 }
 
+/* Leaves nothing in the batch that a later question could use by mistake. */
+static void poison(const shb_bias_args *args) {
+    memset(args->receivers, 0xff, sizeof *args->receivers); /* NaN */
+}
+
+static void write_ref(const shb_filter_args *args) {
+    const shb_receivers *r = args->receivers;
+    for (size_t i = 0; i < args->count; i++)
+        args->visibility[i] = r->ref[i] + r->step_x[i] + r->step_y[i];
+}
+
+TEST(methods_name_all_that_they_need) {
+    static float data[6 * POINTS];
+    random_points(data);
+    const shb_points points = {200, data, 24, data + 3, 24};
+    const shb_bias poisonous = {.name = "poison", .depth = poison};
+    const shb_filter filter = {.name = "ref", .filter = write_ref};
+    const shb_filter hard = shb_filter_hard();
+    size_t count;
+    const shb_bias_method *methods = shb_bias_methods(&count);
+    for (size_t m = 0; m < count; m++) {
+        const shb_bias bias = methods[m].make();
+        shb_bias greedy = bias;
+        greedy.needs |= SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE;
+        noise plain, own;
+        open_noise(&plain, NULL);
+        open_noise(&own, &bias);
+        float expected[200], seen[200];
+        CHECK_INT(shb_map_visibility(own.map, &points, &greedy, &filter, expected), SHB_OK);
+        CHECK_INT(shb_map_visibility(plain.map, &points, &poisonous, &hard, seen), SHB_OK);
+        CHECK_INT(shb_map_visibility(own.map, &points, &bias, &filter, seen), SHB_OK);
+        test_check(memcmp(seen, expected, sizeof seen) == 0, __FILE__, __LINE__,
+                   "%s needs more than it says", bias.name);
+        close_noise(&plain);
+        close_noise(&own);
+    }
+}
+
 static void check_lanes(const shb_bias_args *args) {
     const shb_receivers *r = args->receivers;
     CHECK(args->count == 5);

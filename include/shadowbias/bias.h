@@ -40,8 +40,8 @@ typedef struct shb_map_info {
     size_t memory_bytes; /* texels and padding */
 } shb_map_info;
 
-/* Texel coordinate of a fragment that has none: behind the light, or not finite. Others end at
- * -2^20 and 2^20, as depths do. */
+/* Both texel coordinates of a fragment that has none: behind the light, or not finite. Coordinates
+ * far outside the map end here and at the other end, 2^30. */
 #define SHB_TEXEL_NONE (-(1 << 30))
 
 /* A batch of fragments as one light sees them: structure of arrays, one element a fragment. From
@@ -96,7 +96,7 @@ typedef void shb_combine_fn(const shb_bias *bias, size_t count, const float *nea
 enum {
     SHB_NEEDS_NORMAL = 1, /* the points must come with normals; fills normal_*, cosine */
     SHB_NEEDS_SCALE = 2,  /* fills texel_size, depth_per_world */
-    SHB_NEEDS_SLOPE = 4,  /* fills slope_*; implies SHB_NEEDS_NORMAL */
+    SHB_NEEDS_SLOPE = 4,  /* the points must come with normals; fills slope_* */
     SHB_NEEDS_FLIPPED = 8 /* the map is drawn with flip_culling */
 };
 
