@@ -167,6 +167,22 @@ TEST(texel_size_grows_with_the_distance) {
     CHECK_NEAR(project(view, 8, 16, (shb_vec3){0.5, 1, 1}).texel_size, 0.75, 0);
 }
 
+/* A frustum that looks half a width to the side. */
+TEST(texel_size_of_an_off_centre_frustum) {
+    shb_view view = probe_perspective(false);
+    for (int column = 0; column < 4; column++)
+        view.clip_from_world.m[4 * column] += view.clip_from_world.m[4 * column + 3];
+    CHECK_NEAR(project(view, 4, 8, (shb_vec3){-1.5, 1, 1}).texel_size, 1.5, 0);
+}
+
+TEST(a_directional_light_has_one_direction) {
+    shb_view view;
+    shb_view_orthographic((shb_vec3){3, 0, 4}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0}, 9, 9, 1,
+                          20, false, &view);
+    CHECK_NEAR(project(view, 16, 16, (shb_vec3){0, 0, 0}).cosine, 0.8, 1e-7);
+    CHECK_NEAR(project(view, 16, 16, (shb_vec3){2, -3, 5}).cosine, 0.8, 1e-7);
+}
+
 /* 20000 units from the origin, where a float resolves 1/512: the cosine still is that of the exact
  * difference between light and point. */
 TEST(light_directions_are_taken_in_double) {

@@ -89,7 +89,8 @@ TEST(planes_follow_any_matrix_of_the_host) {
         probe_light light = {.width = 48, .height = 64, .scene_scale = 1};
         shb_view_perspective(eye, (shb_vec3){0, 0, 0}, random_vector(&random), 0.8, 1, 3, 10, false,
                              &light.view);
-        const shb_mat4 shear = {{1.5, 0.25, 0, 0, 0.5, 0.75, 0, 0, 0, 0, 1.5, 0, 0.125, 0, 0, 1.5}};
+        const shb_mat4 shear = {
+            {1.5, 0.25, 0.1, 0, 0.5, 0.75, -0.2, 0, 0, 0, 1.5, 0, 0.125, 0, 0, 1.5}};
         light.view.clip_from_world = shb_mat4_multiply(shear, light.view.clip_from_world);
         check_random_plane(&light, eye, &random);
     }
