@@ -4,7 +4,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 /* Texel coordinates and depths of points far outside the map end here, so that neither a conversion
  * to int nor a filter's walk from there can overflow. */
