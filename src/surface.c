@@ -102,16 +102,19 @@ bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_
     const shb_mat4 transform = shb_instance_transform(instance);
     const bool mirrors = shb_transform_mirrors(&transform);
     uint32_t vertices[3];
+    shb_vec3 corners[3];
     shb_mesh_triangle(mesh, local, vertices);
     for (int k = 0; k < 3; k++) {
         if (vertices[k] >= mesh->vertex_count)
             return false;
         const shb_vec3 position = from_floats(shb_mesh_position(mesh, vertices[k]));
-        triangle->corners[k] = shb_mat4_transform_point(transform, position);
-        if (!shb_vec3_is_finite(triangle->corners[k]))
+        corners[k] = shb_mat4_transform_point(transform, position);
+        if (!shb_vec3_is_finite(corners[k]))
             return false;
     }
     triangle->id = id;
+    for (int k = 0; k < 3; k++)
+        triangle->corners[k] = corners[k];
     triangle->normal = front_normal(triangle->corners, mirrors);
     prepare_weights(camera, triangle);
     prepare_shading(mesh, vertices, &transform, triangle);

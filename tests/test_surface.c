@@ -347,9 +347,25 @@ TEST(surface_refuses_ids_and_corners_that_cannot_be_drawn) {
     CHECK(!shb_surface_prepare(&scene, &view, 1, &triangle));
     CHECK(shb_surface_prepare(&scene, &view, 2, &triangle));
     CHECK(!shb_surface_prepare(&scene, &view, 4, &triangle));
+    CHECK_INT(triangle.id, 2);
+    CHECK_NEAR(triangle.corners[2].z, -1, 0); /* of triangle 2, not of 1 or 3 */
     CHECK(!shb_surface_prepare(&scene, &view, SHB_ID_NONE, &triangle));
     positions[13] = INFINITY;
     CHECK(!shb_surface_prepare(&scene, &view, 3, &triangle));
+    CHECK_NEAR(triangle.corners[2].z, -1, 0);
+}
+
+TEST(surface_refuses_indices_out_of_range) {
+    const float positions[9] = {0, 0, -1, 1, 0, -1, 0, 1, -1};
+    const uint32_t indices[6] = {0, 1, 2, 0, 1, 3};
+    const shb_mesh mesh = {
+        .positions = positions, .vertex_count = 3, .indices = indices, .triangle_count = 2};
+    const shb_instance instance = {.mesh = &mesh};
+    const shb_scene scene = {&instance, 1};
+    const shb_view view = pinhole();
+    shb_surface_triangle triangle;
+    CHECK(shb_surface_prepare(&scene, &view, 0, &triangle));
+    CHECK(!shb_surface_prepare(&scene, &view, 1, &triangle));
 }
 
 TEST(surface_faces_the_side_of_its_normal) {
