@@ -157,7 +157,7 @@ static void add_curtains(example_scene *scene) {
     add_curtain(scene, 4, 1, 2.6, &crimson);
 }
 
-/* What stands in the court: a fountain, pots and benches. Returns the box of one bench. */
+/* What stands in the court: a fountain, pots and benches. Returns the box of the pedestal. */
 static shb_box add_furniture(example_scene *scene) {
     owned_mesh *basin = add_solid(scene, &marble);
     const shape_point bowl[] = {
@@ -172,19 +172,20 @@ static shb_box add_furniture(example_scene *scene) {
                                 {0.30, 0.84}, {0.30, 0.88}, {0.25, 0.88}, {0.2, 0.74},
                                 {0, 0.7}};
     shape_lathe(pot, (shb_vec3){0, 0, 0}, side, sizeof side / sizeof *side, 16);
-    const double pots[][3] = {{-4.8, 2.2, 1},   {-4.1, 2.35, 0.7}, {-1.6, -2.3, 0.95},
-                              {4.8, -2.2, 1.1}, {4.6, 2.3, 0.9},   {-8.0, -2.2, 1}};
+    const double pots[][3] = {{-2.9, 2.45, 1},  {-2.2, 2.5, 0.7}, {-1.6, -2.3, 0.95},
+                              {4.8, -2.2, 1.1}, {4.6, 2.3, 0.9},  {-8.0, -2.2, 1}};
     for (size_t i = 0; i < sizeof pots / sizeof *pots; i++) {
         const double scale = pots[i][2];
         const shb_mat4 place = shb_mat4_multiply(shb_mat4_translation(pots[i][0], 0, pots[i][1]),
                                                  shb_mat4_scaling(scale, scale, scale));
         scene_add_instance(scene, pot, &place, SHB_CULL_BACK, &terracotta);
     }
-    owned_mesh *bench = add_solid(scene, &marble);
-    const shb_box seat = {{-4.3, 0, -1.9}, {-2.7, 0.46, -1.4}};
-    shape_box(bench, seat.lo, seat.hi);
-    shape_box(bench, (shb_vec3){-6.4, 0, 0.9}, (shb_vec3){-5.6, 0.42, 1.7});
-    return seat;
+    shape_box(add_solid(scene, &marble), (shb_vec3){-4.9, 0, -2.2}, (shb_vec3){-3.3, 0.44, -1.7});
+    owned_mesh *pedestal = add_solid(scene, &limestone);
+    const shb_box block = {{-2.75, 0, -0.85}, {-2.05, 1.15, -0.15}};
+    shape_box(pedestal, block.lo, block.hi);
+    shape_ball(pedestal, (shb_vec3){-2.4, 1.45, -0.5}, 0.3, 32);
+    return block;
 }
 
 void scene_build_columns(example_scene *scene, double unused) {
@@ -194,12 +195,12 @@ void scene_build_columns(example_scene *scene, double unused) {
     add_arcades(scene);
     add_ends(scene);
     add_curtains(scene);
-    const shb_box bench = add_furniture(scene);
-    scene_set_sun(scene, (shb_vec3){-0.36, 0.88, 0.24});
+    const shb_box pedestal = add_furniture(scene);
+    scene_set_sun(scene, (shb_vec3){-0.34, 0.88, 0.23});
     scene_set_spot(scene, (shb_vec3){-6.5, 7.4, 2.2}, (shb_vec3){0.6, 0.6, -0.9}, 85 * degree, 0.5,
                    22);
-    scene_set_box_contact(scene, bench, 0.3);
-    scene->camera = (scene_camera){(shb_vec3){-8.6, 1.75, 1.25}, (shb_vec3){0.6, 1.9, -0.75},
-                                   60 * degree, 0.1, 60};
+    scene_set_box_contact(scene, pedestal, 0.4);
+    scene->camera = (scene_camera){(shb_vec3){-7.0, 1.8, 2.3}, (shb_vec3){0.4, 1.75, -1.9},
+                                   56 * degree, 0.1, 60};
     scene->ambient = 0.30f;
 }

@@ -127,12 +127,12 @@ void scene_build_staircase(example_scene *scene, double unused) {
     shape_prism(mesh, outline, count, -1.4, 1.4);
     const shb_mat4 moved = shb_mat4_translation(-2.4, 0, 0);
     scene_add_instance(scene, mesh, &moved, SHB_CULL_BACK, &stone);
-    const shb_box wall =
-        add_box(scene, (shb_vec3){-2.4, 0, -1.9}, (shb_vec3){2.4, 2.0, -1.4}, &red);
-    add_box(scene, (shb_vec3){2.3, 0, 1.4}, (shb_vec3){2.8, 1.5, 1.9}, &ochre);
+    add_box(scene, (shb_vec3){-2.4, 0, -1.9}, (shb_vec3){2.4, 2.0, -1.4}, &red);
+    const shb_box pillar =
+        add_box(scene, (shb_vec3){2.2, 0, 1.4}, (shb_vec3){2.9, 1.5, 2.0}, &ochre);
     scene_set_sun(scene, (shb_vec3){0.55, 0.62, -0.8});
     scene_set_spot(scene, (shb_vec3){4.5, 6, -5}, (shb_vec3){0, 0.8, 0}, 75 * degree, 1, 20);
-    scene_set_box_contact(scene, wall, 0.5);
+    scene_set_box_contact(scene, pillar, 0.4);
     look(scene, (shb_vec3){6.2, 4.4, 6.6}, (shb_vec3){-0.1, 0.9, 0}, 40);
 }
 

@@ -1,0 +1,34 @@
+/* Command lines: "--name value", "--name=value", flags and one operand. */
+#ifndef EXAMPLES_ARGUMENTS_H
+#define EXAMPLES_ARGUMENTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef enum argument_kind {
+    ARGUMENT_FLAG,  /* target: bool */
+    ARGUMENT_TEXT,  /* const char * */
+    ARGUMENT_COUNT, /* uint32_t, lo .. hi */
+    ARGUMENT_SIZE,  /* uint32_t[2], "WxH", each lo .. hi */
+    ARGUMENT_POINT  /* double[3], "X,Y,Z" */
+} argument_kind;
+
+typedef struct argument_spec {
+    const char *name;  /* with its dashes; NULL: the operand, which is a text */
+    const char *value; /* what the help calls its value; NULL for a flag */
+    const char *help;
+    argument_kind kind;
+    void *target; /* left alone when the argument is absent */
+    uint32_t lo, hi;
+} argument_spec;
+
+/* False, and one sentence that names the argument in error, if the command line is not right. */
+bool arguments_parse(int argc, char **argv, const argument_spec *arguments, size_t count,
+                     char *error, size_t error_size);
+
+/* One line an argument. */
+void arguments_print(FILE *stream, const argument_spec *arguments, size_t count);
+
+#endif

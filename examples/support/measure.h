@@ -1,0 +1,64 @@
+/* Measurements of bias methods over one camera frame, shared by demo, viewer and other tools. */
+#ifndef EXAMPLES_MEASURE_H
+#define EXAMPLES_MEASURE_H
+
+#include "scene.h"
+
+#include "shadowbias/reference.h"
+
+/* What the camera of a scene sees, and every fragment of it as a host's renderer would have it. */
+typedef struct measure_frame {
+    shb_context *context;
+    const example_scene *scene;
+    shb_view view;
+    shb_frame frame; /* as shading and classification take it */
+    uint32_t *ids;
+    size_t fragment_count;
+    float *positions, *normals; /* x, y, z of each fragment; normals are geometric */
+    uint32_t *pixels;           /* of each fragment: row * width + column */
+    float *visibility;          /* of each fragment: what the latest method said */
+} measure_frame;
+
+/* Draws the camera's view. On failure *frame is empty. */
+shb_result measure_frame_create(shb_context *context, const example_scene *scene, uint32_t width,
+                                uint32_t height, measure_frame *frame);
+void measure_frame_destroy(measure_frame *frame);
+
+/* What is true of a frame under one light; depends on the map's view and size, not on its depths,
+ * so that all methods share it. */
+typedef struct measure_truth {
+    shb_reference *reference;
+    uint8_t *pixels;    /* of every pixel, as shb_reference_classify writes it */
+    uint8_t *fragments; /* the same, of the frame's fragments */
+} measure_truth;
+
+/* On failure *truth is empty. */
+shb_result measure_truth_create(const measure_frame *frame, const shb_map *map,
+                                measure_truth *truth);
+void measure_truth_destroy(measure_truth *truth);
+
+typedef struct measure_result {
+    shb_errors errors;
+    bool has_detachment;
+    shb_detachment detachment;
+    double map_seconds; /* median of the runs, as all times */
+    double visibility_seconds;
+    double ns_per_fragment; /* of visibility, on one thread */
+} measure_result;
+
+/* Draws the map for a method and asks it about every fragment, runs times each, at most 64. contact
+ * may be NULL or have no length: no detachment is measured. */
+shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_map *map,
+                          const shb_bias *bias, const shb_filter *filter,
+                          const scene_contact *contact, uint32_t runs, measure_result *result);
+
+/* The picture of the scene with a map as it is now, and the same in grey with false shadow in red
+ * and false light in blue. image has the frame's size. */
+shb_result measure_paint(const measure_frame *frame, const shb_map *map, const shb_bias *bias,
+                         const shb_filter *filter, const float light_color[3],
+                         const shb_image *image);
+shb_result measure_paint_errors(const measure_frame *frame, const measure_truth *truth,
+                                const shb_map *map, const shb_bias *bias, const shb_filter *filter,
+                                const shb_image *image);
+
+#endif

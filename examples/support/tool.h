@@ -1,0 +1,23 @@
+/* What the command-line programs have in common: a context that tells of failures, exit codes. */
+#ifndef EXAMPLES_TOOL_H
+#define EXAMPLES_TOOL_H
+
+#include "shadowbias/context.h"
+#include "shadowbias/image.h"
+
+enum { TOOL_OK = 0, TOOL_FAILED = 1, TOOL_USAGE = 2 };
+
+/* A context whose failures appear on stderr as "program: sentence". NULL, and a line on stderr, if
+ * there can be none. program must outlive it. */
+shb_context *tool_create_context(const char *program, uint32_t threads, shb_isa max_isa);
+
+/* Finds an instruction set by its name, "best" included; false if there is none of that name. */
+bool tool_parse_isa(const char *name, shb_isa *isa);
+
+/* True if the result is no error; else a line on stderr tells what failed. */
+bool tool_succeeds(const char *program, const char *what, shb_result result);
+
+/* Writes an image; false, and a line on stderr, when that fails. */
+bool tool_write_image(const char *program, const shb_image *image, const char *path);
+
+#endif
