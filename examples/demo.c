@@ -11,7 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { width = 960, height = 600, map_size = 1024, divisor = 2, runs = 5, sheet_columns = 6 };
+enum { width = 960, height = 600, map_size = 512, divisor = 2, runs = 5, sheet_columns = 6 };
 
 typedef struct demo_state {
     const char *directory;

@@ -69,8 +69,10 @@ int main(void) {
         return 1;
     draw_depths(&world_from_clip);
     const shb_points traced = {trace_picture(), points[0], 0, normals[0], 0};
-    if (shb_map_visibility(map, &traced, &bias, NULL, visibility))
+    if (shb_map_visibility(map, &traced, &bias, NULL, visibility)) {
+        fprintf(stderr, "own_renderer: no visibility\n");
         return 1;
+    }
     size_t shadowed = 0, wrong = 0;
     for (size_t i = 0; i < traced.count; i++) {
         const shb_vec3 p = {(double)points[i][0], (double)points[i][1], (double)points[i][2]};

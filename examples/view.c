@@ -120,8 +120,11 @@ static bool open_scene(const view_options *options, view_work *work) {
         fprintf(stderr, "view: %s\n", error);
         return false;
     }
-    override_point(options->eye, &work->scene->camera.eye);
-    override_point(options->target, &work->scene->camera.target);
+    scene_camera camera = work->scene->camera;
+    override_point(options->eye, &camera.eye);
+    override_point(options->target, &camera.target);
+    if (!isnan(options->eye[0]) || !isnan(options->target[0]))
+        scene_move_camera(work->scene, camera.eye, camera.target);
     override_point(options->to_light, &work->scene->lights[SCENE_DIRECTIONAL].source);
     return true;
 }

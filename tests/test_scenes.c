@@ -1,5 +1,7 @@
 #include "scenes.h"
 
+#include "shadowbias/reference.h"
+
 #include "test.h"
 
 #include <math.h>
@@ -8,6 +10,8 @@
 #include <string.h>
 
 static char error[256];
+
+static const char *const contact_scenes[] = {"box", "thin-wall", "staircase", "wedge", "columns"};
 
 static example_scene *open_scene(const char *name) {
     example_scene *scene = NULL;
@@ -161,11 +165,9 @@ TEST(scene_columns_has_about_twenty_thousand_triangles) {
     scene_close(scene);
 }
 
-/* The contact lies on the side of an occluder that the light does not see. */
-TEST(scene_contact_points_away_from_the_light) {
-    static const char *const names[] = {"box", "thin-wall", "staircase", "wedge", "columns"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        example_scene *scene = open_scene(names[i]);
+TEST(scene_contact_runs_along_a_lit_side_of_its_receiver) {
+    for (size_t i = 0; i < sizeof contact_scenes / sizeof *contact_scenes; i++) {
+        example_scene *scene = open_scene(contact_scenes[i]);
         for (scene_light_kind kind = SCENE_DIRECTIONAL; scene && kind < SCENE_LIGHT_KINDS; kind++) {
             const scene_light *light = &scene->lights[kind];
             const scene_contact *contact = &light->contact;
@@ -175,11 +177,46 @@ TEST(scene_contact_points_away_from_the_light) {
             CHECK(contact->length > 0);
             CHECK_NEAR(shb_vec3_length(contact->direction), 1, 0);
             CHECK_NEAR(shb_vec3_dot(contact->direction, contact->normal), 0, 0);
-            CHECK(shb_vec3_dot(contact->direction, to_light) < 0);
             CHECK(shb_vec3_dot(contact->normal, to_light) > 0);
         }
         scene_close(scene);
     }
+}
+
+/* Along a contact line's probe the occluder that stands there makes the shadow, and nothing else:
+ * light that starts a little above is blocked, light that starts far above is not. */
+static void check_probe(const shb_reference *reference, const scene_light *light, bool spot,
+                        double share) {
+    const scene_contact *contact = &light->contact;
+    const shb_vec3 point =
+        shb_vec3_add(contact->contact, shb_vec3_scale(contact->direction, share * contact->length));
+    const shb_vec3 way = spot ? shb_vec3_subtract(light->source, point) : light->source;
+    const shb_vec3 to_light = shb_vec3_normalize(way);
+    const double reach = 8 * contact->length;
+    const double high = spot ? fmin(reach, 0.9 * shb_vec3_length(way)) : reach;
+    const shb_vec3 above = shb_vec3_add(point, shb_vec3_scale(to_light, high));
+    const shb_light_source source =
+        spot ? (shb_light_source){light->source, 1} : (shb_light_source){to_light, 0};
+    const shb_light_source near_source = {shb_vec3_add(point, shb_vec3_scale(to_light, 4)), 1};
+    uint8_t below = 0, free = 1;
+    CHECK(!shb_reference_occluded(reference, &near_source, 1, &point, NULL, &below) && below);
+    CHECK(!shb_reference_occluded(reference, &source, 1, &above, NULL, &free) && !free);
+}
+
+TEST(scene_contact_probe_lies_in_the_shadow_of_its_own_occluder) {
+    shb_context *context = NULL;
+    CHECK(shb_context_create(NULL, &context) == SHB_OK);
+    for (size_t i = 0; i < sizeof contact_scenes / sizeof *contact_scenes; i++) {
+        example_scene *scene = open_scene(contact_scenes[i]);
+        shb_reference *reference = NULL;
+        CHECK(shb_reference_create(context, &scene->scene, &reference) == SHB_OK);
+        for (scene_light_kind kind = SCENE_DIRECTIONAL; kind < SCENE_LIGHT_KINDS; kind++)
+            for (int k = 1; k < 20; k++)
+                check_probe(reference, &scene->lights[kind], kind == SCENE_SPOT, 0.05 * k);
+        shb_reference_destroy(reference);
+        scene_close(scene);
+    }
+    shb_context_destroy(context);
 }
 
 TEST(scene_parameter_changes_the_scene) {

@@ -77,3 +77,14 @@ shb_result scene_camera_view(const example_scene *scene, uint32_t width, uint32_
                                 camera->vertical_angle, (double)width / height,
                                 camera->near_distance, camera->far_distance, false, view);
 }
+
+void scene_move_camera(example_scene *scene, shb_vec3 eye, shb_vec3 target) {
+    const shb_box box = scene->bounds;
+    const shb_vec3 middle = shb_vec3_scale(shb_vec3_add(box.lo, box.hi), 0.5);
+    const double radius = shb_vec3_length(shb_vec3_subtract(box.hi, box.lo)) / 2;
+    const double distance = shb_vec3_length(shb_vec3_subtract(eye, middle));
+    scene->camera.eye = eye;
+    scene->camera.target = target;
+    scene->camera.near_distance = fmax(0.9 * (distance - radius), 0.001 * radius);
+    scene->camera.far_distance = 1.1 * (distance + radius);
+}

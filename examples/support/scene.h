@@ -76,6 +76,9 @@ shb_result scene_light_view(const example_scene *scene, scene_light_kind kind, u
 shb_result scene_camera_view(const example_scene *scene, uint32_t width, uint32_t height,
                              shb_view *view);
 
+/* Moves the camera; its near and far distances then suit the scene's bounds. */
+void scene_move_camera(example_scene *scene, shb_vec3 eye, shb_vec3 target);
+
 /* For those who build scenes. */
 
 /* A new empty mesh; never NULL. */

@@ -157,8 +157,8 @@ static void add_curtains(example_scene *scene) {
     add_curtain(scene, 4, 1, 2.6, &crimson);
 }
 
-/* What stands in the court: a fountain, pots and benches. Returns the box of the pedestal. */
-static shb_box add_furniture(example_scene *scene) {
+/* What stands in the court: a fountain, pots and benches. */
+static void add_furniture(example_scene *scene) {
     owned_mesh *basin = add_solid(scene, &marble);
     const shape_point bowl[] = {
         {0, 0},       {1.35, 0},    {1.35, 0.16}, {1.22, 0.2},  {1.22, 0.5}, {1.32, 0.56},
@@ -182,10 +182,20 @@ static shb_box add_furniture(example_scene *scene) {
     }
     shape_box(add_solid(scene, &marble), (shb_vec3){-4.9, 0, -2.2}, (shb_vec3){-3.3, 0.44, -1.7});
     owned_mesh *pedestal = add_solid(scene, &limestone);
-    const shb_box block = {{-2.75, 0, -0.85}, {-2.05, 1.15, -0.15}};
-    shape_box(pedestal, block.lo, block.hi);
-    shape_ball(pedestal, (shb_vec3){-2.4, 1.45, -0.5}, 0.3, 32);
-    return block;
+    shape_box(pedestal, (shb_vec3){-1.6, 0, -1.3}, (shb_vec3){-0.9, 1.15, -0.6});
+    shape_ball(pedestal, (shb_vec3){-1.25, 1.45, -0.95}, 0.3, 32);
+}
+
+/* A board that leans on a low block: its shadow narrows to nothing where it meets the floor. */
+static void add_ramp(example_scene *scene) {
+    const double x = -2.1, run = 1.5, rise = 0.38, thickness = 0.01;
+    const shape_point outline[] = {
+        {x, 0}, {x, thickness}, {x - run, rise + thickness}, {x - run, rise}};
+    shape_prism(add_solid(scene, &wood), outline, 4, -0.75, 0.05);
+    shape_box(add_solid(scene, &sandstone), (shb_vec3){x - run + 0.05, 0, -0.65},
+              (shb_vec3){x - run + 0.25, 0.31, -0.05});
+    for (int kind = 0; kind < SCENE_LIGHT_KINDS; kind++)
+        scene->lights[kind].contact = (scene_contact){{x, 0, -0.35}, {-1, 0, 0}, {0, 1, 0}, 0.8};
 }
 
 void scene_build_columns(example_scene *scene, double unused) {
@@ -195,11 +205,11 @@ void scene_build_columns(example_scene *scene, double unused) {
     add_arcades(scene);
     add_ends(scene);
     add_curtains(scene);
-    const shb_box pedestal = add_furniture(scene);
+    add_furniture(scene);
     scene_set_sun(scene, (shb_vec3){-0.34, 0.88, 0.23});
     scene_set_spot(scene, (shb_vec3){-6.5, 7.4, 2.2}, (shb_vec3){0.6, 0.6, -0.9}, 85 * degree, 0.5,
                    22);
-    scene_set_box_contact(scene, pedestal, 0.4);
+    add_ramp(scene);
     scene->camera = (scene_camera){(shb_vec3){-7.0, 1.8, 2.3}, (shb_vec3){0.4, 1.75, -1.9},
                                    56 * degree, 0.1, 60};
     scene->ambient = 0.30f;

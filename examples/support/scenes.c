@@ -38,7 +38,7 @@ static const scene_entry *find_entry(const char *name, size_t length) {
 }
 
 /* The least distance from the middle at which an eye in this direction sees the whole box, in a
- * square picture of the given angle. */
+ * picture of the given vertical angle that is at least 4 : 3 wide. */
 static double distance_to_see(shb_box box, shb_vec3 to_eye, double angle) {
     const shb_vec3 half = shb_vec3_scale(shb_vec3_subtract(box.hi, box.lo), 0.5);
     const shb_vec3 right = shb_vec3_normalize(shb_vec3_cross((shb_vec3){0, 1, 0}, to_eye));
@@ -48,7 +48,7 @@ static double distance_to_see(shb_box box, shb_vec3 to_eye, double angle) {
         const shb_vec3 corner = {i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y,
                                  i & 4 ? half.z : -half.z};
         const double aside =
-            fmax(fabs(shb_vec3_dot(corner, right)), fabs(shb_vec3_dot(corner, up)));
+            fmax(fabs(shb_vec3_dot(corner, right)) * 3 / 4, fabs(shb_vec3_dot(corner, up)));
         distance = fmax(distance, shb_vec3_dot(corner, to_eye) + aside / tan(angle / 2));
     }
     return distance;
@@ -62,13 +62,10 @@ static bool fit_to_bounds(example_scene *scene) {
     if (!(radius > 0) || isinf(radius))
         return false;
     const double angle = 0.6;
-    const shb_vec3 to_eye = shb_vec3_normalize((shb_vec3){0.55, 0.5, 1});
+    const shb_vec3 to_eye = shb_vec3_normalize((shb_vec3){0.55, 0.7, 1});
     const double distance = 1.02 * distance_to_see(box, to_eye, angle);
-    scene->camera = (scene_camera){.eye = shb_vec3_add(middle, shb_vec3_scale(to_eye, distance)),
-                                   .target = middle,
-                                   .vertical_angle = angle,
-                                   .near_distance = fmax(0.9 * (distance - radius), 0.01 * radius),
-                                   .far_distance = distance + 1.1 * radius};
+    scene->camera.vertical_angle = angle;
+    scene_move_camera(scene, shb_vec3_add(middle, shb_vec3_scale(to_eye, distance)), middle);
     const shb_vec3 to_light = shb_vec3_normalize((shb_vec3){-0.5, 0.9, 0.45});
     scene_set_sun(scene, to_light);
     /* A sphere of this radius, seen from two radii away, fills sixty degrees. */
