@@ -29,6 +29,10 @@ static const scene_light *demo_light(const demo_state *demo) {
     return &demo->scene->lights[SCENE_DIRECTIONAL];
 }
 
+static bool succeeds(shb_result result) {
+    return tool_succeeds("demo", "columns", result);
+}
+
 static bool open_demo(demo_state *demo) {
     char error[256];
     if (!scene_open("columns", &demo->scene, error, sizeof error)) {
@@ -40,13 +44,15 @@ static bool open_demo(demo_state *demo) {
     shb_map_desc map = {.width = map_size};
     demo->context = tool_create_context("demo", 0, SHB_ISA_BEST);
     demo->picture = (shb_image){malloc(3 * width * height), width, height, 0};
-    return demo->context && demo->picture.pixels &&
-           sheet_create(&demo->sheet, sheet_columns, 2 * (uint32_t)count, width / divisor,
-                        height / divisor) &&
-           !scene_light_view(demo->scene, SCENE_DIRECTIONAL, map_size, false, &map.view) &&
-           !shb_map_create(demo->context, &map, &demo->map) &&
-           !measure_frame_create(demo->context, demo->scene, width, height, &demo->frame) &&
-           !measure_truth_create(&demo->frame, demo->map, &demo->truth);
+    const bool room =
+        demo->picture.pixels && sheet_create(&demo->sheet, sheet_columns, 2 * (uint32_t)count,
+                                             width / divisor, height / divisor);
+    return demo->context && succeeds(room ? SHB_OK : SHB_ERROR_MEMORY) &&
+           succeeds(scene_light_view(demo->scene, SCENE_DIRECTIONAL, map_size, false, &map.view)) &&
+           succeeds(shb_map_create(demo->context, &map, &demo->map)) &&
+           succeeds(
+               measure_frame_create(demo->context, demo->scene, width, height, &demo->frame)) &&
+           succeeds(measure_truth_create(&demo->frame, demo->map, &demo->truth));
 }
 
 static void close_demo(demo_state *demo) {
@@ -73,11 +79,13 @@ static bool write_image(demo_state *demo, const shb_image *image, const char *na
 static bool picture_method(demo_state *demo, uint32_t number, const shb_bias *bias,
                            const measure_result *measured) {
     char text[64];
-    if (measure_paint(&demo->frame, demo->map, bias, NULL, demo_light(demo)->color, &demo->picture))
+    if (!succeeds(measure_paint(&demo->frame, demo->map, bias, NULL, demo_light(demo)->color,
+                                &demo->picture)))
         return false;
     sheet_place(&demo->sheet, 2 * number, &demo->picture, divisor, bias->name);
     if (!write_image(demo, &demo->picture, bias->name) ||
-        measure_paint_errors(&demo->frame, &demo->truth, demo->map, bias, NULL, &demo->picture))
+        !succeeds(measure_paint_errors(&demo->frame, &demo->truth, demo->map, bias, NULL,
+                                       &demo->picture)))
         return false;
     snprintf(text, sizeof text, "false shadow %.0f light %.0f ppm",
              measured->errors.false_shadow_ppm, measured->errors.false_light_ppm);
@@ -88,8 +96,8 @@ static bool picture_method(demo_state *demo, uint32_t number, const shb_bias *bi
 
 static bool show_method(demo_state *demo, uint32_t number, const shb_bias *bias) {
     measure_result measured;
-    if (measure_method(&demo->frame, &demo->truth, demo->map, bias, NULL,
-                       &demo_light(demo)->contact, runs, &measured))
+    if (!succeeds(measure_method(&demo->frame, &demo->truth, demo->map, bias, NULL,
+                                 &demo_light(demo)->contact, runs, &measured)))
         return false;
     printf("%-16s %12.0f %11.0f %9.0f %10.2f %12.1f\n", bias->name,
            measured.errors.false_shadow_ppm, measured.errors.false_light_ppm,

@@ -272,9 +272,9 @@ int main(int argc, char **argv) {
                             .isa = "best",
                             .map_size = 1024,
                             .size = {960, 600},
-                            .eye = {NAN},
-                            .target = {NAN},
-                            .to_light = {NAN}};
+                            .eye = {(double)NAN},
+                            .target = {(double)NAN},
+                            .to_light = {(double)NAN}};
     int exit_code;
     if (!read_options(argc, argv, &options, &exit_code))
         return exit_code;

@@ -104,7 +104,7 @@ TEST(obj_splits_vertices_by_normal_and_shares_equal_pairs) {
 
 TEST(obj_accepts_comments_blank_lines_tabs_and_other_statements) {
     owned_mesh mesh = {0};
-    CHECK(read_text("# made by hand \\\n\n\tv 0\t0 0 # origin\nmtllib a b.mtl\no part\n"
+    CHECK(read_text("# made by hand \\\n\tv 0\t0 0 # origin\n\nmtllib a b.mtl\no part\n"
                     "v 1 0 0 1.0\n  v 1 1 0 0.5 0.5 0.5\ns off\ng\nusemtl x\nvp 1 2\n"
                     "vt 0 0 0\n\nf\t1 2\t3 # face",
                     &mesh));

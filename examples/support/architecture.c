@@ -4,17 +4,12 @@
 
 static const double pi = 3.14159265358979323846;
 
-shb_box architecture_column_foot(shb_vec3 base, double radius) {
-    const double half = COLUMN_FOOT_HALF * radius;
-    return (shb_box){{base.x - half, base.y, base.z - half},
-                     {base.x + half, base.y + COLUMN_FOOT_HEIGHT * radius, base.z + half}};
-}
-
 void architecture_column(owned_mesh *mesh, shb_vec3 base, double radius, double height,
                          uint32_t segments) {
-    const shb_box foot = architecture_column_foot(base, radius);
-    const double abacus = 0.35 * radius, low = COLUMN_FOOT_HEIGHT * radius, high = height - abacus;
-    shape_box(mesh, foot.lo, foot.hi);
+    const double foot = 1.45 * radius, head = 1.40 * radius;
+    const double low = 0.45 * radius, high = height - 0.35 * radius;
+    shape_box(mesh, (shb_vec3){base.x - foot, base.y, base.z - foot},
+              (shb_vec3){base.x + foot, base.y + low, base.z + foot});
     /* base mouldings, a slightly swollen shaft, neck ring and bell of the capital */
     const shape_point profile[] = {{0, low},
                                    {1.36 * radius, low},
@@ -35,9 +30,8 @@ void architecture_column(owned_mesh *mesh, shb_vec3 base, double radius, double 
                                    {1.34 * radius, high},
                                    {0, high}};
     shape_lathe(mesh, base, profile, sizeof profile / sizeof *profile, segments);
-    const double half = 1.40 * radius;
-    shape_box(mesh, (shb_vec3){base.x - half, base.y + high, base.z - half},
-              (shb_vec3){base.x + half, base.y + height, base.z + half});
+    shape_box(mesh, (shb_vec3){base.x - head, base.y + high, base.z - head},
+              (shb_vec3){base.x + head, base.y + height, base.z + head});
 }
 
 void architecture_arcade(owned_mesh *mesh, const arcade_shape *arcade) {

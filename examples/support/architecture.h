@@ -4,16 +4,9 @@
 
 #include "shapes.h"
 
-/* Height of a column's square foot in parts of its radius, and half the foot's width. */
-#define COLUMN_FOOT_HEIGHT 0.45
-#define COLUMN_FOOT_HALF 1.45
-
 /* A column of the given radius on a square foot, with a moulded base and capital. */
 void architecture_column(owned_mesh *mesh, shb_vec3 base, double radius, double height,
                          uint32_t segments);
-
-/* The box of a column's foot. */
-shb_box architecture_column_foot(shb_vec3 base, double radius);
 
 /* A row of round arches from x = -bays * bay / 2 to the other end: a wall from z = back to z =
  * front that stands on pillars of the given width, with arches between them that begin at height

@@ -53,7 +53,7 @@ static const double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
 
 /* With mantissa and power exact, one multiplication or division gives the double nearest to the
  * number. Rounding that to float is right too, unless the double lies half-way between two floats,
- * where the number itself may lie on either side, or float has fewer bits than usual. */
+ * where the number itself may lie on either side. (1e-22 is far from the subnormal floats.) */
 static bool convert_exactly(const decimal *number, float *value) {
     if (!number->exact || number->mantissa > 1ull << 53 || number->exponent < -22 ||
         number->exponent > 22)
@@ -64,7 +64,7 @@ static bool convert_exactly(const decimal *number, float *value) {
     uint64_t bits;
     memcpy(&bits, &magnitude, sizeof bits);
     const bool halfway = (bits & 0x1fffffff) == 0x10000000;
-    if (halfway || (magnitude < 0x1p-126 && number->mantissa))
+    if (halfway)
         return false;
     *value = (float)(number->negative ? -magnitude : magnitude);
     return true;
