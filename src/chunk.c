@@ -92,22 +92,12 @@ static void list_chunks(const shb_geometry *geometry, const shb_vertex *vertices
     for (size_t i = 0; i < geometry->instance_count; i++) {
         const shb_draw_instance *instance = &geometry->instances[i];
         const shb_mesh *mesh = instance->mesh;
-        const uint32_t index_size = mesh->index_size ? mesh->index_size : 4;
         for (uint32_t first = 0; first < mesh->triangle_count; first += SHB_CHUNK) {
             const uint32_t left = mesh->triangle_count - first;
-            *chunks++ = (shb_chunk){
-                .instance = instance,
-                .vertices = vertices + instance->first_vertex,
-                .indices = mesh->indices ? (const char *)mesh->indices +
-                                               (size_t)first * 3 * index_size
-                                         : NULL,
-                .index_size = index_size,
-                .first_vertex = 3 * first,
-                .count = left < SHB_CHUNK ? left : SHB_CHUNK,
-                .id = (uint32_t)instance->first_triangle + first,
-                .keep_positive = instance->keep_positive,
-                .keep_negative = instance->keep_negative,
-            };
+            *chunks++ = (shb_chunk){.instance = instance,
+                                    .vertices = vertices + instance->first_vertex,
+                                    .first = first,
+                                    .count = left < SHB_CHUNK ? left : SHB_CHUNK};
         }
     }
 }
@@ -117,7 +107,8 @@ static void look_at_coded(const chunk_job *job, const shb_chunk *chunk, struct t
                           shb_coded *coded) {
     for (uint32_t i = 0; i < chunk->count; i++) {
         uint32_t corner[3];
-        shb_mesh_triangle(chunk->instance->mesh, chunk->first_vertex / 3 + i, corner);
+        const uint32_t id = (uint32_t)chunk->instance->first_triangle + chunk->first + i;
+        shb_mesh_triangle(chunk->instance->mesh, chunk->first + i, corner);
         const shb_vertex *a = &chunk->vertices[corner[0]], *b = &chunk->vertices[corner[1]];
         const shb_vertex *c = &chunk->vertices[corner[2]];
         const uint64_t any = a->code | b->code | c->code, all = a->code & b->code & c->code;
@@ -129,9 +120,9 @@ static void look_at_coded(const chunk_job *job, const shb_chunk *chunk, struct t
             continue;
         shb_clip_position corners[3];
         shb_shape shape;
-        shb_geometry_corners(chunk->instance, chunk->id + i, corners);
+        shb_geometry_corners(chunk->instance, id, corners);
         if (shb_shape_prepare(job->target, chunk->instance, corners, &shape) == SHB_OUTCOME_DRAWN)
-            coded[counts->coded++] = (shb_coded){chunk->id + i, shape.is_cut, shape.samples};
+            coded[counts->coded++] = (shb_coded){id, shape.is_cut, shape.samples};
     }
 }
 

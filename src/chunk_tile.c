@@ -2,25 +2,29 @@
 
 #include "chunk_tile.h"
 
+#include "chunk_bin.h"
 #include "format.h"
 #include "layers.h"
-#include "scratch.h"
 
 #include <stdatomic.h>
-#include <string.h>
-
-#define CHUNKS_PER_TASK 32
 
 /* Depths of a tile of this size, with ids, fit into a second-level cache. */
-#define TILE_SIZE 256
+#define TILE_BITS 8
+
+/* More tiles than this cost more than they save. */
+#define TILES_MAX 4096
 
 /* Up to this many texels one thread draws straight through: the map itself stays in a cache. */
 #define SINGLE_TILE_TEXELS (2048u * 2048u)
 
+/* But not a few large triangles one over the other: they would go through the whole map each. */
+#define FEW_TRIANGLES 1024
+#define FEW_TRIANGLES_TEXELS (512u * 512u)
+
 typedef struct grid {
-    uint32_t width, height; /* of a tile */
-    uint32_t columns, rows;
-    bool direct; /* tiles are drawn in the images themselves */
+    bool single;   /* the whole target is one tile */
+    bool direct;   /* tiles are drawn in the images themselves */
+    int tile_bits; /* tiles are squares of 2^tile_bits samples */
 } grid;
 
 typedef struct tile_job {
@@ -29,13 +33,10 @@ typedef struct tile_job {
     const shb_geometry *geometry;
     const shb_target *target;
     const shb_chunks *chunks;
-    grid tiles;
-    shb_chunk_summary *summaries;
-    const uint64_t *ends; /* the list of tile t starts where that of tile t - 1 ends */
-    const uint32_t *list; /* numbers of chunks */
-    shb_layers *lanes;    /* NULL when tiles are drawn directly */
-    atomic_size_t next;   /* tile that nobody has begun */
-    uint64_t drawn;       /* by a single tile */
+    grid grid;
+    shb_chunk_bins bins;
+    shb_layers *lanes;  /* NULL when tiles are drawn directly */
+    atomic_size_t next; /* tile that nobody has begun */
 } tile_job;
 
 static bool is_direct_depth(const shb_depth_image *image) {
@@ -54,101 +55,30 @@ static bool can_draw_directly(const shb_draw_desc *desc) {
            (!desc->ids || id_stride == stride);
 }
 
-static grid choose_grid(const shb_context *context, const shb_draw_desc *desc) {
-    grid made = {.width = TILE_SIZE, .height = TILE_SIZE, .direct = can_draw_directly(desc)};
+static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
+                        const shb_geometry *geometry) {
+    const uint32_t texels = desc->width * desc->height;
+    const bool few = geometry->triangle_count <= FEW_TRIANGLES && texels > FEW_TRIANGLES_TEXELS;
+    grid made = {.direct = can_draw_directly(desc), .tile_bits = TILE_BITS};
+    made.single = made.direct && !desc->tile_size && context->threads == 1 && !few &&
+                  texels <= SINGLE_TILE_TEXELS;
     if (desc->tile_size)
-        made.width = made.height = desc->tile_size;
-    else if (made.direct && context->threads == 1 &&
-             desc->width * desc->height <= SINGLE_TILE_TEXELS) {
-        made.width = desc->width;
-        made.height = desc->height;
-    }
-    made.columns = (desc->width + made.width - 1) / made.width;
-    made.rows = (desc->height + made.height - 1) / made.height;
+        for (made.tile_bits = 4; desc->tile_size >> made.tile_bits != 1; made.tile_bits++)
+            continue;
+    while (((uint64_t)desc->width >> made.tile_bits) * (desc->height >> made.tile_bits) >
+           TILES_MAX)
+        made.tile_bits++;
     return made;
 }
 
 static shb_samples tile_samples(const tile_job *job, size_t tile) {
-    const grid *tiles = &job->tiles;
-    const int32_t left = (int32_t)(tile % tiles->columns * tiles->width);
-    const int32_t top = (int32_t)(tile / tiles->columns * tiles->height);
-    return shb_samples_intersect((shb_samples){left, top, left + (int32_t)tiles->width - 1,
-                                               top + (int32_t)tiles->height - 1},
+    if (job->grid.single)
+        return job->target->samples;
+    const int32_t left = (int32_t)(tile % job->bins.columns) << job->grid.tile_bits;
+    const int32_t top = (int32_t)(tile / job->bins.columns) << job->grid.tile_bits;
+    const int32_t last = (1 << job->grid.tile_bits) - 1;
+    return shb_samples_intersect((shb_samples){left, top, left + last, top + last},
                                  job->target->samples);
-}
-
-static void summarize_block(void *arg, size_t index) {
-    const tile_job *job = arg;
-    const size_t first = index * CHUNKS_PER_TASK, left = job->chunks->count - first;
-    const size_t end = first + (left < CHUNKS_PER_TASK ? left : CHUNKS_PER_TASK);
-    for (size_t i = first; i < end; i++)
-        job->kernels->summarize(&job->chunks->chunks[i], job->desc->width, job->desc->height,
-                                &job->summaries[i]);
-}
-
-/* The tiles that a chunk's box touches, cut to the target. */
-static shb_samples tiles_of(const tile_job *job, const shb_chunk_summary *summary) {
-    const shb_samples box = shb_samples_intersect(
-        (shb_samples){summary->x0, summary->y0, summary->x1 - 1, summary->y1 - 1},
-        job->target->samples);
-    const int32_t width = (int32_t)job->tiles.width, height = (int32_t)job->tiles.height;
-    return (shb_samples){box.first_column / width, box.first_row / height,
-                         box.last_column / width, box.last_row / height};
-}
-
-/* The length of every list, then the start of every list in its place. Returns the sum. */
-static uint64_t find_starts(const tile_job *job, uint64_t *starts) {
-    const size_t tiles = (size_t)job->tiles.columns * job->tiles.rows;
-    memset(starts, 0, tiles * sizeof *starts);
-    for (size_t i = 0; i < job->chunks->count; i++) {
-        if (job->summaries[i].drawn == 0)
-            continue;
-        const shb_samples range = tiles_of(job, &job->summaries[i]);
-        for (int32_t row = range.first_row; row <= range.last_row; row++)
-            for (int32_t column = range.first_column; column <= range.last_column; column++)
-                starts[(size_t)row * job->tiles.columns + (size_t)column]++;
-    }
-    uint64_t sum = 0;
-    for (size_t tile = 0; tile < tiles; tile++) {
-        const uint64_t length = starts[tile];
-        starts[tile] = sum;
-        sum += length;
-    }
-    return sum;
-}
-
-/* Every chunk moves its tiles' cursors on, which end up at the ends of the lists. */
-static void fill_lists(const tile_job *job, uint64_t *cursors, uint32_t *list) {
-    for (size_t i = 0; i < job->chunks->count; i++) {
-        if (job->summaries[i].drawn == 0)
-            continue;
-        const shb_samples range = tiles_of(job, &job->summaries[i]);
-        for (int32_t row = range.first_row; row <= range.last_row; row++)
-            for (int32_t column = range.first_column; column <= range.last_column; column++)
-                list[cursors[(size_t)row * job->tiles.columns + (size_t)column]++] = (uint32_t)i;
-    }
-}
-
-static bool bin_chunks(shb_context *context, tile_job *job) {
-    shb_buffer *scratch = context->draw_scratch;
-    const size_t count = job->chunks->count;
-    const size_t tiles = (size_t)job->tiles.columns * job->tiles.rows;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_SUMMARIES], count,
-                            sizeof *job->summaries) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_ENDS], tiles, sizeof *job->ends))
-        return false;
-    job->summaries = scratch[SHB_SCRATCH_SUMMARIES].data;
-    shb_parallel_for(context, summarize_block, job, (count + CHUNKS_PER_TASK - 1) / CHUNKS_PER_TASK);
-    for (size_t i = 0; i < count; i++)
-        job->drawn += job->summaries[i].drawn;
-    uint64_t *ends = scratch[SHB_SCRATCH_ENDS].data;
-    const uint64_t entries = find_starts(job, ends);
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_IDS], entries, sizeof *job->list))
-        return false;
-    fill_lists(job, ends, scratch[SHB_SCRATCH_IDS].data);
-    job->ends = ends;
-    job->list = scratch[SHB_SCRATCH_IDS].data;
-    return true;
 }
 
 static void *texel_at(void *texels, size_t stride, const shb_samples *samples) {
@@ -160,7 +90,7 @@ static void *texel_at(void *texels, size_t stride, const shb_samples *samples) {
 /* A tile's layers: parts of the images, or the lane's own. */
 static shb_layers layers_of(const tile_job *job, size_t lane, shb_samples samples) {
     const shb_draw_desc *desc = job->desc;
-    if (!job->tiles.direct) {
+    if (!job->grid.direct) {
         shb_layers layers = job->lanes[lane];
         layers.samples = samples;
         return layers;
@@ -191,11 +121,64 @@ static void draw_coded(const tile_job *job, const shb_layers *layers) {
     }
 }
 
-static void draw_tile(tile_job *job, size_t lane, size_t tile) {
-    const shb_layers layers = layers_of(job, lane, tile_samples(job, tile));
+/* Gathers triangles of one instance until a chunk is full. */
+typedef struct gatherer {
+    const shb_kernels *kernels;
+    const shb_tile *tile;
+    shb_chunk chunk;
+    uint32_t triangles[SHB_CHUNK];
+} gatherer;
+
+static void flush(gatherer *gathered) {
+    if (gathered->chunk.count)
+        gathered->kernels->draw(&gathered->chunk, gathered->tile);
+    gathered->chunk.count = 0;
+}
+
+static void gather(gatherer *gathered, const shb_chunk *from, uint32_t t) {
+    if (gathered->chunk.count == SHB_CHUNK || gathered->chunk.instance != from->instance) {
+        flush(gathered);
+        gathered->chunk.instance = from->instance;
+        gathered->chunk.vertices = from->vertices;
+    }
+    gathered->triangles[gathered->chunk.count++] = from->first + t;
+}
+
+/* A block's triangles in the tile. */
+static void draw_block(const tile_job *job, size_t block, size_t tile, gatherer *gathered) {
+    const shb_chunk_bins *bins = &job->bins;
+    const size_t tiles = (size_t)bins->columns * bins->rows;
+    const uint16_t *ends = bins->ends + block * (tiles + 1);
+    const shb_chunk *chunks = job->chunks->chunks + block * SHB_BLOCK_CHUNKS;
+    const shb_binned *binned = bins->binned + block * SHB_BLOCK_CAPACITY;
+    if (ends[tiles]) {
+        for (uint32_t i = tile ? ends[tile - 1] : 0; i < ends[tile]; i++)
+            gather(gathered, &chunks[binned[i] / SHB_CHUNK], binned[i] % SHB_CHUNK);
+        return;
+    }
+    const size_t left = job->chunks->count - block * SHB_BLOCK_CHUNKS;
+    for (size_t i = 0; i < SHB_BLOCK_CHUNKS && i < left; i++)
+        job->kernels->draw(&chunks[i], gathered->tile);
+}
+
+static void draw_binned(const tile_job *job, size_t number, const shb_tile *tile) {
+    gatherer gathered = {.kernels = job->kernels, .tile = tile};
+    gathered.chunk.triangles = gathered.triangles;
+    for (size_t block = 0; block < job->bins.blocks; block++)
+        draw_block(job, block, number, &gathered);
+    flush(&gathered);
+}
+
+static void draw_all(tile_job *job, const shb_tile *tile) {
+    for (size_t i = 0; i < job->chunks->count; i++)
+        job->bins.drawn += job->kernels->draw(&job->chunks->chunks[i], tile);
+}
+
+static void draw_tile(tile_job *job, size_t lane, size_t number) {
+    const shb_layers layers = layers_of(job, lane, tile_samples(job, number));
     const shb_samples *samples = &layers.samples;
     const int32_t width = samples->last_column - samples->first_column + 1;
-    const shb_tile target = {
+    const shb_tile tile = {
         .depth = layers.nearest,
         .second = layers.second,
         .ids = layers.ids,
@@ -207,21 +190,22 @@ static void draw_tile(tile_job *job, size_t lane, size_t tile) {
         .y1 = samples->last_row + 1,
     };
     shb_layers_clear(&layers, job->desc->view->reversed);
-    if (job->ends) {
-        for (uint64_t i = tile ? job->ends[tile - 1] : 0; i < job->ends[tile]; i++)
-            job->kernels->draw(&job->chunks->chunks[job->list[i]], &target);
-    } else {
-        for (size_t i = 0; i < job->chunks->count; i++)
-            job->drawn += job->kernels->draw(&job->chunks->chunks[i], &target);
-    }
+    if (job->grid.single)
+        draw_all(job, &tile);
+    else
+        draw_binned(job, number, &tile);
     draw_coded(job, &layers);
     shb_layers_store(&layers, job->desc);
+}
+
+static size_t count_tiles(const tile_job *job) {
+    return job->grid.single ? 1 : (size_t)job->bins.columns * job->bins.rows;
 }
 
 /* A lane owns its layers and takes tile after tile until none is left. */
 static void run_lane(void *arg, size_t index) {
     tile_job *job = arg;
-    const size_t tiles = (size_t)job->tiles.columns * job->tiles.rows;
+    const size_t tiles = count_tiles(job);
     for (size_t tile; (tile = atomic_fetch_add(&job->next, 1)) < tiles;)
         draw_tile(job, index, tile);
 }
@@ -229,7 +213,7 @@ static void run_lane(void *arg, size_t index) {
 static void count_stats(const tile_job *job, shb_draw_stats *stats) {
     *stats = (shb_draw_stats){.triangles = job->geometry->triangle_count,
                               .not_finite = job->chunks->not_finite,
-                              .drawn = job->drawn + job->chunks->coded_count};
+                              .drawn = job->bins.drawn + job->chunks->coded_count};
     for (size_t i = 0; i < job->chunks->coded_count; i++)
         stats->clipped += job->chunks->coded[i].is_cut;
     stats->culled = stats->triangles - stats->not_finite - stats->drawn;
@@ -243,14 +227,15 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .geometry = geometry,
                     .target = target,
                     .chunks = chunks,
-                    .tiles = choose_grid(context, desc)};
-    const size_t tiles = (size_t)job.tiles.columns * job.tiles.rows;
-    const size_t lanes = tiles < context->threads ? tiles : context->threads;
-    if (tiles > 1 && !bin_chunks(context, &job))
+                    .grid = choose_grid(context, desc, geometry)};
+    if (!job.grid.single &&
+        !shb_chunks_bin(context, target, chunks, job.grid.tile_bits, &job.bins))
         return false;
-    if (!job.tiles.direct) {
-        job.lanes = shb_layers_reserve(context, desc, lanes, (job.tiles.width + 15) / 16 * 16,
-                                       job.tiles.height);
+    const size_t tiles = count_tiles(&job);
+    const size_t lanes = tiles < context->threads ? tiles : context->threads;
+    if (!job.grid.direct) {
+        const size_t size = (size_t)1 << job.grid.tile_bits;
+        job.lanes = shb_layers_reserve(context, desc, lanes, size, size);
         if (!job.lanes)
             return false;
     }

@@ -7,12 +7,13 @@ enum {
     SHB_SCRATCH_RANGES,    /* tiles that each triangle reaches */
     SHB_SCRATCH_STATS,     /* statistics of each block of triangles */
     SHB_SCRATCH_ENDS,      /* end of each tile's list */
-    SHB_SCRATCH_IDS,       /* the lists of all tiles: triangles, or chunks */
+    SHB_SCRATCH_IDS,       /* the lists of all tiles */
     SHB_SCRATCH_LANES,     /* description of the tile that each lane draws */
     SHB_SCRATCH_LAYERS,    /* texels of these tiles */
     SHB_SCRATCH_VERTICES,  /* vertices in window space */
     SHB_SCRATCH_CHUNKS,
-    SHB_SCRATCH_SUMMARIES, /* one a chunk */
+    SHB_SCRATCH_BINS,      /* where each tile's part of a block of chunks ends */
+    SHB_SCRATCH_BINNED,    /* triangles of each block, sorted by tile */
     SHB_SCRATCH_CODED      /* ids of triangles that clipping has to look at */
 };
 

@@ -92,7 +92,8 @@ draw_tiny(const shb_tile *tile, int layers, const chunk_boxes *boxes, const tiny
     for (uint64_t members = wide_equal_bytes(classes + half, (class)); members;                    \
          members &= members - 1) {                                                                 \
         const int t = half + __builtin_ctzll(members);                                             \
-        const uint32_t id = chunk->id + (uint32_t)t;                                               \
+        const uint32_t id = (uint32_t)chunk->instance->first_triangle +                            \
+                            triangle_of(chunk, (uint32_t)t);                                       \
         draw;                                                                                      \
     }
 
@@ -155,20 +156,26 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     return kept;
 }
 
-static void summarize(const shb_chunk *chunk, uint32_t width, uint32_t height,
-                      shb_chunk_summary *summary) {
+static void find_tiles(const shb_chunk *chunk, const shb_samples *target, int tile_bits,
+                       shb_chunk_ranges *ranges) {
     const int count = (int)chunk->count;
+    const int32_t right = target->last_column, bottom = target->last_row;
     chunk_corners corners;
     chunk_boxes boxes;
-    const uint32_t drawn =
-        look_at_chunk(chunk, 0, 0, (int32_t)width, (int32_t)height, &corners, &boxes);
-    int32_t x0 = INT32_MAX, y0 = INT32_MAX, x1 = INT32_MIN, y1 = INT32_MIN;
+    look_at_chunk(chunk, 0, 0, right + 1, bottom + 1, &corners, &boxes);
+    uint32_t kept = 0;
     for (int t = 0; t < count; t++) {
-        const bool kept = boxes.kept[t] != 0;
-        x0 = kept ? MIN(x0, boxes.x[t]) : x0;
-        y0 = kept ? MIN(y0, boxes.y[t]) : y0;
-        x1 = kept ? MAX(x1, boxes.x[t] + boxes.width[t]) : x1;
-        y1 = kept ? MAX(y1, boxes.y[t] + boxes.height[t]) : y1;
+        ranges->triangle[kept] = (uint8_t)t;
+        kept += (uint32_t)boxes.kept[t];
     }
-    *summary = (shb_chunk_summary){x0, y0, x1, y1, drawn};
+    ranges->count = kept;
+    for (uint32_t i = 0; i < kept; i++) {
+        const int t = ranges->triangle[i];
+        const int32_t last_column = boxes.x[t] + boxes.width[t] - 1;
+        const int32_t last_row = boxes.y[t] + boxes.height[t] - 1;
+        ranges->first_column[i] = (uint16_t)(MAX(boxes.x[t], 0) >> tile_bits);
+        ranges->first_row[i] = (uint16_t)(MAX(boxes.y[t], 0) >> tile_bits);
+        ranges->last_column[i] = (uint16_t)(MIN(last_column, right) >> tile_bits);
+        ranges->last_row[i] = (uint16_t)(MIN(last_row, bottom) >> tile_bits);
+    }
 }

@@ -36,27 +36,38 @@ typedef struct chunk_planes {
     double base[SHB_CHUNK], step_x[SHB_CHUNK], step_y[SHB_CHUNK], lo[SHB_CHUNK], hi[SHB_CHUNK];
 } chunk_planes;
 
-/* The chunk's indices as 32 bits each. */
-static const uint32_t *widen_indices(const shb_chunk *chunk, uint32_t indices[3 * SHB_CHUNK]) {
-    if (chunk->indices && chunk->index_size == 4)
-        return chunk->indices;
-    const uint16_t *narrow = chunk->indices;
-    for (uint32_t i = 0; i < 3 * chunk->count; i++)
-        indices[i] = narrow ? narrow[i] : chunk->first_vertex + i;
+static inline uint32_t triangle_of(const shb_chunk *chunk, uint32_t t) {
+    return chunk->triangles ? chunk->triangles[t] : chunk->first + t;
+}
+
+/* The chunk's vertex indices, three a triangle. */
+static const uint32_t *list_indices(const shb_chunk *chunk, uint32_t indices[3 * SHB_CHUNK]) {
+    const shb_mesh *mesh = chunk->instance->mesh;
+    const uint16_t *narrow = mesh->index_size == 2 ? mesh->indices : NULL;
+    const uint32_t *wide = narrow ? NULL : mesh->indices;
+    if (wide && !chunk->triangles)
+        return wide + 3 * (size_t)chunk->first;
+    for (uint32_t t = 0; t < chunk->count; t++) {
+        const size_t corner = 3 * (size_t)triangle_of(chunk, t);
+        for (uint32_t k = 0; k < 3; k++)
+            indices[3 * t + k] = wide     ? wide[corner + k]
+                                 : narrow ? narrow[corner + k]
+                                          : (uint32_t)corner + k;
+    }
     return indices;
 }
 
 /* Transposes the corners of two triangles at a time. Returns the codes of all. */
 static uint64_t fetch_corners(const shb_chunk *chunk, chunk_corners *corners) {
-    uint32_t widened[3 * SHB_CHUNK];
-    const uint32_t *indices = widen_indices(chunk, widened);
+    uint32_t listed[3 * SHB_CHUNK];
+    const uint32_t *indices = list_indices(chunk, listed);
     code_pair codes = {0, 0};
     for (uint32_t t = 0; t < chunk->count; t += 2) {
         const uint32_t u = t + 1 < chunk->count ? t + 1 : t;
         code_pair code = {0, 0};
-        for (int k = 0; k < 3; k++) {
-            const pair *a = (const pair *)&chunk->vertices[indices[3 * t + (uint32_t)k]];
-            const pair *b = (const pair *)&chunk->vertices[indices[3 * u + (uint32_t)k]];
+        for (uint32_t k = 0; k < 3; k++) {
+            const pair *a = (const pair *)&chunk->vertices[indices[3 * t + k]];
+            const pair *b = (const pair *)&chunk->vertices[indices[3 * u + k]];
             *(pair *)&corners->x[k][t] = (pair){a[0][0], b[0][0]};
             *(pair *)&corners->y[k][t] = (pair){a[0][1], b[0][1]};
             *(pair *)&corners->z[k][t] = (pair){a[1][0], b[1][0]};
@@ -79,8 +90,8 @@ static void snap_corners(int count, const chunk_corners *restrict corners,
 
 /* Differences stay below 2^23, products below 2^46: exact in double. */
 static void find_areas(const shb_chunk *chunk, chunk_boxes *restrict boxes) {
-    const double keep_positive = chunk->keep_positive ? 1.0 : 0.0;
-    const double keep_negative = chunk->keep_negative ? 1.0 : 0.0;
+    const double keep_positive = chunk->instance->keep_positive ? 1.0 : 0.0;
+    const double keep_negative = chunk->instance->keep_negative ? 1.0 : 0.0;
     const int count = (int)chunk->count;
     for (int t = 0; t < count; t++) {
         const int32_t ax = boxes->corner_x[0][t], ay = boxes->corner_y[0][t];

@@ -23,4 +23,4 @@ enum { LAYER_IDS = 1, LAYER_SECOND = 2 };
 
 #include "k_raster.inl"
 
-const shb_kernels KERNELS = {transform, summarize, draw};
+const shb_kernels KERNELS = {transform, find_tiles, draw};

@@ -37,16 +37,13 @@ typedef struct shb_transform_job {
     shb_vertex *vertices;
 } shb_transform_job;
 
-/* Up to SHB_CHUNK triangles of one instance that follow each other. */
+/* Up to SHB_CHUNK triangles of one instance: those listed, or those that follow the first one. */
 typedef struct shb_chunk {
     const shb_draw_instance *instance;
     const shb_vertex *vertices; /* of the instance */
-    const void *indices;        /* of the chunk's first triangle; NULL: first_vertex, ... */
-    uint32_t index_size;
-    uint32_t first_vertex; /* three times the number of the first triangle in its mesh */
+    const uint32_t *triangles;  /* numbers in the mesh, or NULL */
+    uint32_t first;             /* number in the mesh */
     uint32_t count;
-    uint32_t id; /* of the first triangle */
-    bool keep_positive, keep_negative;
 } shb_chunk;
 
 /* A rectangle of the target, columns x0 .. x1 - 1 and rows y0 .. y1 - 1; x1 - x0 is a multiple of 16,
@@ -60,18 +57,22 @@ typedef struct shb_tile {
     int32_t x0, y0, right, x1, y1;
 } shb_tile;
 
-/* How many triangles of a chunk are to be drawn, and the box around them. */
-typedef struct shb_chunk_summary {
-    int32_t x0, y0, x1, y1;
-    uint32_t drawn;
-} shb_chunk_summary;
+/* The triangles of a chunk that are to be drawn, and the tiles that their boxes touch, both ends
+ * included. */
+typedef struct shb_chunk_ranges {
+    uint32_t count;
+    uint8_t triangle[SHB_CHUNK]; /* number in the chunk */
+    uint16_t first_column[SHB_CHUNK], first_row[SHB_CHUNK];
+    uint16_t last_column[SHB_CHUNK], last_row[SHB_CHUNK];
+} shb_chunk_ranges;
 
 /* One implementation for each instruction set; all give the same bits. */
 typedef struct shb_kernels {
     /* True if a vertex is not usable. */
     bool (*transform)(const shb_transform_job *job);
-    void (*summarize)(const shb_chunk *chunk, uint32_t width, uint32_t height,
-                      shb_chunk_summary *summary);
+    /* Tiles are squares of 2^tile_bits samples. */
+    void (*find_tiles)(const shb_chunk *chunk, const shb_samples *target, int tile_bits,
+                       shb_chunk_ranges *ranges);
     /* Returns how many triangles have their box in the tile. */
     uint32_t (*draw)(const shb_chunk *chunk, const shb_tile *tile);
 } shb_kernels;
