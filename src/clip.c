@@ -4,13 +4,11 @@
 
 #include <math.h>
 
-#define GUARD_PIXELS 16384.0
-
 /* Window X = (x / w + 1) * (width / 2) lies within the guard band where x / w lies within
  * -(2 * guard / width + 1) .. 2 * guard / width - 1; Y turns the axis round. */
 shb_clip_volume shb_clip_volume_of(uint32_t width, uint32_t height, bool reversed) {
-    const double guard_x = 2 * GUARD_PIXELS / (double)width;
-    const double guard_y = 2 * GUARD_PIXELS / (double)height;
+    const double guard_x = 2 * SHB_GUARD_PIXELS / (double)width;
+    const double guard_y = 2 * SHB_GUARD_PIXELS / (double)height;
     return (shb_clip_volume){
         .cut = {{2, 1, reversed ? 1 : 0},
                 {0, 1, guard_x + 1},

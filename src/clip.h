@@ -8,6 +8,8 @@
 
 #include "transform.h"
 
+#define SHB_GUARD_PIXELS 16384.0
+
 /* Coordinates above this are as useless as infinite ones: products of three stay finite below it.
  */
 #define SHB_CLIP_MAX 0x1p300

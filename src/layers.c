@@ -10,13 +10,8 @@
 /* An edge at the first sample of a box, with 256 divided out. */
 typedef struct edge {
     int64_t value, per_column, per_row;
+    int32_t from_y, to_y;
 } edge;
-
-/* The triangles that a shape's corners make with its apex. */
-typedef struct fan {
-    size_t count;
-    edge edges[SHB_POLYGON_MAX - 2][3];
-} fan;
 
 static edge edge_at(const shb_shape *shape, size_t a, size_t b, shb_samples box) {
     const int64_t dx = (int64_t)shape->snapped_x[b] - shape->snapped_x[a];
@@ -25,29 +20,27 @@ static edge edge_at(const shb_shape *shape, size_t a, size_t b, shb_samples box)
     const int64_t py = (int64_t)box.first_row * SHB_SUBPIXELS + SHB_SUBPIXELS / 2;
     const int64_t e = dx * (py - shape->snapped_y[a]) - dy * (px - shape->snapped_x[a]);
     const bool is_top_left = dy < 0 || (dy == 0 && dx > 0);
-    return (edge){(e - (is_top_left ? 0 : 1)) >> 8, -dy, dx};
+    return (edge){(e - (is_top_left ? 0 : 1)) >> 8, -dy, dx, shape->snapped_y[a],
+                  shape->snapped_y[b]};
 }
 
-static void make_fan(const shb_shape *shape, shb_samples box, fan *made) {
-    made->count = shape->count - 2;
-    for (size_t i = 0; i < made->count; i++) {
-        const size_t a = shape->apex, b = (a + i + 1) % shape->count, c = (a + i + 2) % shape->count;
-        made->edges[i][0] = edge_at(shape, a, b, box);
-        made->edges[i][1] = edge_at(shape, b, c, box);
-        made->edges[i][2] = edge_at(shape, c, a, box);
-    }
+/* What the edge adds to the winding number of the sample i columns and j rows from the first one.
+ */
+static int winding_of(const edge *e, int32_t py, int64_t i, int64_t j) {
+    const bool starts_above = e->from_y <= py, ends_above = e->to_y <= py;
+    const bool is_inside = e->value + e->per_row * j + e->per_column * i >= 0;
+    if (!starts_above && ends_above)
+        return is_inside;
+    if (starts_above && !ends_above)
+        return -!is_inside;
+    return 0;
 }
 
-/* A sample that two overlapping triangles of the fan cover still counts once. */
-static bool covers(const fan *tested, int64_t i, int64_t j) {
-    for (size_t k = 0; k < tested->count; k++) {
-        const edge *e = tested->edges[k];
-        if (e[0].value + e[0].per_row * j + e[0].per_column * i >= 0 &&
-            e[1].value + e[1].per_row * j + e[1].per_column * i >= 0 &&
-            e[2].value + e[2].per_row * j + e[2].per_column * i >= 0)
-            return true;
-    }
-    return false;
+static bool is_covered(const edge *edges, size_t count, int32_t py, int64_t i, int64_t j) {
+    int winding = 0;
+    for (size_t k = 0; k < count; k++)
+        winding += winding_of(&edges[k], py, i, j);
+    return winding > 0;
 }
 
 /* SHB_ID_NONE is negative, so that no triangle replaces it at equal, that is at far, depth. */
@@ -71,12 +64,15 @@ void shb_layers_draw(const shb_layers *layers, const shb_target *target, const s
     if (shb_samples_are_empty(box))
         return;
     const shb_plane plane = shb_plane_of(target, shape);
-    fan pieces;
-    make_fan(shape, box, &pieces);
+    edge edges[SHB_POLYGON_MAX];
+    for (size_t i = 0; i < shape->count; i++)
+        edges[i] = edge_at(shape, i, (i + 1) % shape->count, box);
     for (int32_t row = box.first_row; row <= box.last_row; row++) {
+        const int32_t py = row * SHB_SUBPIXELS + SHB_SUBPIXELS / 2;
         const size_t line = (size_t)(row - layers->samples.first_row) * layers->pitch;
         for (int32_t column = box.first_column; column <= box.last_column; column++) {
-            if (!covers(&pieces, column - box.first_column, row - box.first_row))
+            if (!is_covered(edges, shape->count, py, column - box.first_column,
+                            row - box.first_row))
                 continue;
             const float z = shb_plane_depth(&plane, column - shape->samples.first_column,
                                             row - shape->samples.first_row);

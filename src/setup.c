@@ -24,10 +24,17 @@ bool shb_samples_are_empty(shb_samples samples) {
     return samples.last_column < samples.first_column || samples.last_row < samples.first_row;
 }
 
+/* Corners of whole triangles lie within the guard band, and so do cut points but for rounding: next
+ * to coordinates of 1e18 that is any distance. */
+static double clamp_to_guard(double pixels) {
+    const double above = pixels > -SHB_GUARD_PIXELS ? pixels : -SHB_GUARD_PIXELS;
+    return above < SHB_GUARD_PIXELS ? above : SHB_GUARD_PIXELS;
+}
+
 /* Nearest even: adding 1.5 * 2^52 leaves no bit for a fraction. */
 static int32_t snap(double pixels) {
     const double magic = 0x1.8p52;
-    return (int32_t)((pixels * SHB_SUBPIXELS + magic) - magic);
+    return (int32_t)((clamp_to_guard(pixels) * SHB_SUBPIXELS + magic) - magic);
 }
 
 static void project(const shb_target *target, const shb_polygon *polygon, shb_shape *shape) {
@@ -43,19 +50,16 @@ static void project(const shb_target *target, const shb_polygon *polygon, shb_sh
     }
 }
 
-/* Twice the area of the triangle of three corners, exact. */
-static int64_t fan_area(const shb_shape *shape, size_t a, size_t b, size_t c) {
-    const int64_t bx = (int64_t)shape->snapped_x[b] - shape->snapped_x[a];
-    const int64_t by = (int64_t)shape->snapped_y[b] - shape->snapped_y[a];
-    const int64_t cx = (int64_t)shape->snapped_x[c] - shape->snapped_x[a];
-    const int64_t cy = (int64_t)shape->snapped_y[c] - shape->snapped_y[a];
-    return bx * cy - cx * by;
-}
-
-static int64_t shape_area(const shb_shape *shape) {
+/* Twice the area inside the snapped corners, exact: the fan of triangles around corner 0. */
+static int64_t snapped_area(const shb_shape *shape) {
     int64_t area = 0;
-    for (size_t i = 2; i < shape->count; i++)
-        area += fan_area(shape, 0, i - 1, i);
+    for (size_t i = 2; i < shape->count; i++) {
+        const int64_t ax = (int64_t)shape->snapped_x[i - 1] - shape->snapped_x[0];
+        const int64_t ay = (int64_t)shape->snapped_y[i - 1] - shape->snapped_y[0];
+        const int64_t bx = (int64_t)shape->snapped_x[i] - shape->snapped_x[0];
+        const int64_t by = (int64_t)shape->snapped_y[i] - shape->snapped_y[0];
+        area += ax * by - bx * ay;
+    }
     return area;
 }
 
@@ -67,21 +71,6 @@ static void reverse_order(shb_shape *shape) {
         shape->snapped_x[k] = x;
         shape->snapped_y[k] = y;
     }
-}
-
-/* Snapping can bend a cut polygon slightly inwards. A fan from a corner that sees all others has no
- * negative triangle and covers each sample of the polygon once; where no corner does, fan triangles
- * may overlap. */
-static size_t choose_apex(const shb_shape *shape) {
-    for (size_t apex = 0; apex < shape->count; apex++) {
-        bool sees_all = true;
-        for (size_t i = 1; i + 1 < shape->count; i++)
-            sees_all &= fan_area(shape, apex, (apex + i) % shape->count,
-                                 (apex + i + 1) % shape->count) >= 0;
-        if (sees_all)
-            return apex;
-    }
-    return 0;
 }
 
 /* Rounds up to the first sample at or after the lowest coordinate, and down to the last one
@@ -109,7 +98,7 @@ shb_outcome shb_shape_prepare(const shb_target *target, const shb_draw_instance 
     if (clipped == SHB_CLIP_OUTSIDE)
         return SHB_OUTCOME_CULLED;
     project(target, &polygon, shape);
-    const int64_t area = shape_area(shape);
+    const int64_t area = snapped_area(shape);
     if (area == 0 || !(area > 0 ? instance->keep_positive : instance->keep_negative))
         return SHB_OUTCOME_CULLED;
     shape->samples = box_of(shape);
@@ -118,7 +107,6 @@ shb_outcome shb_shape_prepare(const shb_target *target, const shb_draw_instance 
     if (area < 0)
         reverse_order(shape);
     shape->is_cut = clipped == SHB_CLIP_CUT;
-    shape->apex = shape->is_cut ? choose_apex(shape) : 0;
     for (int i = 0; i < 3; i++)
         shape->corners[i] = corners[i];
     return SHB_OUTCOME_DRAWN;

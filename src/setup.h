@@ -4,8 +4,9 @@
  * Window coordinates in pixels, x right, y down, all in double with one division a corner:
  *     i = 1 / w,  X = (x * i) * (width / 2) + width / 2,  Y = (y * i) * (-height / 2) + height / 2,
  *     Z = z * i
- * Snapped coordinates are X * 256 and Y * 256, rounded to nearest even. The guard band keeps them
- * within +-2^22, so differences fit 2^23 and areas and edge functions 2^47.
+ * Snapped coordinates are X * 256 and Y * 256, rounded to nearest even. The guard band keeps X and
+ * Y within +-16384 (rounding may exceed that: they are clamped before they are snapped), so snapped
+ * coordinates within +-2^22, differences within +-2^23, areas and edge functions within +-2^48.
  *
  * Sample (i, j) lies at the pixel's centre, (256 i + 128, 256 j + 128) in snapped coordinates. */
 #ifndef SRC_SETUP_H
@@ -33,7 +34,6 @@ typedef struct shb_shape {
     shb_clip_position corners[3];                                      /* of the whole triangle */
     double X[SHB_POLYGON_MAX], Y[SHB_POLYGON_MAX], Z[SHB_POLYGON_MAX]; /* window, in mesh order */
     int32_t snapped_x[SHB_POLYGON_MAX], snapped_y[SHB_POLYGON_MAX];    /* in positive order */
-    size_t apex;         /* corner that all triangles of the fan share */
     shb_samples samples; /* box of those that can be covered, not clipped to the target */
 } shb_shape;
 

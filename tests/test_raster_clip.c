@@ -1,3 +1,5 @@
+#include "../src/clip.h"
+
 #include "grid.h"
 #include "oracle.h"
 #include "random.h"
@@ -231,5 +233,80 @@ TEST(a_mesh_beyond_the_guard_band_covers_every_sample_once) {
         test_target_destroy(&target);
         test_grid_destroy(&grid);
     }
+    shb_context_destroy(context);
+}
+
+/* What the near plane leaves of a triangle, in snapped coordinates; 0 corners: nothing. */
+static size_t snap_polygon(const shb_view *view, const float corners[9], uint32_t width,
+                           uint32_t height, int64_t x[SHB_POLYGON_MAX],
+                           int64_t y[SHB_POLYGON_MAX]) {
+    const oracle_triangle triangle = oracle_project(view, width, height, corners);
+    const shb_clip_volume volume = shb_clip_volume_of(width, height, view->reversed);
+    shb_clip_position positions[3];
+    shb_polygon polygon;
+    for (int k = 0; k < 3; k++)
+        for (int axis = 0; axis < 4; axis++)
+            positions[k].v[axis] = triangle.clip[k][axis];
+    if (shb_clip_triangle(&volume, positions, &polygon) != SHB_CLIP_CUT)
+        return 0;
+    for (size_t i = 0; i < polygon.count; i++) {
+        const double *v = polygon.corners[i].v;
+        x[i] = oracle_snap(width / 2.0 + width / 2.0 * (v[0] / v[3]));
+        y[i] = oracle_snap(height / 2.0 - height / 2.0 * (v[1] / v[3]));
+    }
+    return polygon.count;
+}
+
+static int64_t polygon_area(size_t count, const int64_t *x, const int64_t *y) {
+    int64_t area = 0;
+    for (size_t i = 0; i < count; i++) {
+        const size_t next = (i + 1) % count;
+        area += x[i] * y[next] - x[next] * y[i];
+    }
+    return area;
+}
+
+/* Needles along lines of sample centres that the near plane cuts on the target. Many polygons are
+ * so thin that snapping bends them inwards or turns a part of them over. */
+TEST(cut_polygons_cover_where_their_winding_number_is_positive) {
+    enum { WIDTH = 64, HEIGHT = 32 };
+    static const double directions[][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}, {2, 1}, {-1, 2}};
+    test_random random = {15};
+    shb_context *context = test_context(1);
+    const shb_view view = test_pixel_view(WIDTH, HEIGHT);
+    test_target target = test_target_create(WIDTH, HEIGHT);
+    unsigned covered = 0, inverted = 0;
+    for (int round = 0; round < 4000; round++) {
+        const double *direction = directions[random_below(&random, 6)];
+        const double middle[2] = {floor(random_double(&random, 0, WIDTH)) + 0.5,
+                                  floor(random_double(&random, 0, HEIGHT)) + 0.5};
+        const double loose = round % 2 ? 0.008 : 0.5;
+        float corners[9];
+        for (int k = 0; k < 3; k++) {
+            const double along = random_double(&random, -30, 30);
+            for (int axis = 0; axis < 2; axis++)
+                corners[3 * k + axis] = (float)(middle[axis] + along * direction[axis] +
+                                                random_double(&random, -loose, loose));
+            corners[3 * k + 2] = (float)random_double(&random, -0.5, 0.9);
+        }
+        int64_t x[SHB_POLYGON_MAX], y[SHB_POLYGON_MAX];
+        const size_t count = snap_polygon(&view, corners, WIDTH, HEIGHT, x, y);
+        if (count == 0)
+            continue;
+        const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
+        const shb_instance instance = {.mesh = &mesh};
+        const shb_scene scene = {&instance, 1};
+        test_target_draw(&target, context, &view, &scene, 32);
+        const int64_t area = polygon_area(count, x, y);
+        for (int at = 0; at < WIDTH * HEIGHT; at++) {
+            const int winding = oracle_winding(count, x, y, at % WIDTH, at / WIDTH);
+            CHECK((target.ids[at] == 0) == (area > 0 ? winding > 0 : area < 0 && winding < 0));
+            covered += winding != 0;
+            inverted += area > 0 ? winding < 0 : winding > 0;
+        }
+    }
+    CHECK(covered > 3000);
+    CHECK(inverted > 0);
+    test_target_destroy(&target);
     shb_context_destroy(context);
 }

@@ -140,6 +140,32 @@ static void make_needle(test_random *random, float corners[9]) {
     }
 }
 
+/* The same with all corners off the line, so that samples may lie outside the true triangle. */
+static void make_loose_needle(test_random *random, float corners[9]) {
+    make_needle(random, corners);
+    for (int k = 0; k < 3; k++)
+        for (int axis = 0; axis < 2; axis++)
+            corners[3 * k + axis] += (float)random_double(random, -0.003, 0.003);
+}
+
+/* From a hundredth of a pixel to a few pixels high, and nearly flat: both sides of the borders
+ * between plain and careful. */
+static void make_slender(test_random *random, float corners[9]) {
+    double direction[2];
+    put_line(random, direction, corners);
+    const double length = random_double(random, 2, 40), t = random_double(random, 0, 1);
+    const double height = exp(random_double(random, log(0.01), log(1)));
+    for (int axis = 0; axis < 2; axis++) {
+        const double across = axis ? direction[0] : -direction[1];
+        corners[3 + axis] = (float)((double)corners[axis] + length * direction[axis]);
+        corners[6 + axis] =
+            (float)((double)corners[axis] + t * length * direction[axis] + across * height);
+    }
+    const double range = exp(random_double(random, log(1e-7), log(1e-2)));
+    for (int k = 0; k < 3; k++)
+        corners[3 * k + 2] = (float)(0.6 + random_double(random, 0, range));
+}
+
 /* Corners that lie exactly in one line until they are snapped: steps of half a subpixel. */
 static void make_collinear(test_random *random, float corners[9]) {
     double direction[2];
@@ -205,12 +231,16 @@ static unsigned draw_slivers(corner_maker *make, int count) {
 
 TEST(slivers_stay_within_the_depth_range_of_their_corners) {
     CHECK(draw_slivers(make_needle, 1000) > 1000);
+    CHECK(draw_slivers(make_loose_needle, 1000) > 500);
     CHECK(draw_slivers(make_collinear, 1000) > 100);
 }
 
 TEST(slivers_have_the_declared_depth) {
     const shb_view view = test_pixel_view(WIDTH, HEIGHT);
     CHECK(check_triangles(&view, make_needle, 1000).careful > 1000);
+    CHECK(check_triangles(&view, make_loose_needle, 1000).careful > 500);
+    const seen_samples slender = check_triangles(&view, make_slender, 3000);
+    CHECK(slender.plain > 1000 && slender.careful > 1000);
 }
 
 TEST(collinear_corners_that_snapping_opens_have_their_mean_depth) {

@@ -1,3 +1,5 @@
+#include "../src/format.h"
+
 #include "random.h"
 #include "target.h"
 #include "test.h"
@@ -60,6 +62,18 @@ TEST(unorm_depths_by_hand_are_rounded_away_from_the_viewer) {
     CHECK_INT(store_flat(2, SHB_FORMAT_UNORM24, false), MAX24);
     CHECK_INT(store_flat(2, SHB_FORMAT_UNORM16, false), MAX16);
     CHECK_INT(store_flat(-1, SHB_FORMAT_UNORM24, true), 0);
+}
+
+/* Rounding may leave a depth a little before the near plane. */
+TEST(unorm_depths_before_the_near_plane_are_clamped_to_it) {
+    const float standard[] = {-1e-9f, -0.0f, -0.25f}, reversed[] = {-1 - 0x1p-23f, -1, -1.5f};
+    uint32_t texels[3];
+    shb_format_store(SHB_FORMAT_UNORM24, false, 3, standard, texels);
+    for (int i = 0; i < 3; i++)
+        CHECK_INT(texels[i], 0);
+    shb_format_store(SHB_FORMAT_UNORM24, true, 3, reversed, texels);
+    for (int i = 0; i < 3; i++)
+        CHECK_INT(texels[i], MAX24);
 }
 
 /* q is z * max rounded away from the viewer. z * max has at most 48 bits and is exact in double. */

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-static int64_t round_to_even(double v) {
-    const double below = floor(v), fraction = v - below;
+int64_t oracle_snap(double pixels) {
+    const double v = 256 * pixels, below = floor(v), fraction = v - below;
     const int64_t n = (int64_t)below;
     if (fraction == 0.5)
         return n % 2 ? n + 1 : n;
@@ -23,8 +23,8 @@ static void project_corner(oracle_triangle *triangle, int k) {
     triangle->Z[k] = inverse * v[2];
     if (!is_in_guard_band(triangle->X[k]) || !is_in_guard_band(triangle->Y[k]))
         return;
-    triangle->snapped_x[k] = round_to_even(256 * triangle->X[k]);
-    triangle->snapped_y[k] = round_to_even(256 * triangle->Y[k]);
+    triangle->snapped_x[k] = oracle_snap(triangle->X[k]);
+    triangle->snapped_y[k] = oracle_snap(triangle->Y[k]);
 }
 
 static oracle_real product(double a, double b) {
@@ -77,23 +77,34 @@ static int side(int64_t ax, int64_t ay, int64_t bx, int64_t by, int64_t px, int6
     return by != ay ? sign_of(ay - by) : sign_of(bx - ax);
 }
 
+/* The sign of a triangle of the fan if it contains the sample, else 0. */
+static int signed_coverage(const int64_t x[3], const int64_t y[3], int column, int row) {
+    const int64_t px = 256 * (int64_t)column + 128, py = 256 * (int64_t)row + 128;
+    const int facing = sign_of((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]));
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3;
+        if (side(x[a], y[a], x[b], y[b], px, py) != facing)
+            return 0;
+    }
+    return facing;
+}
+
+int oracle_winding(size_t count, const int64_t *x, const int64_t *y, int column, int row) {
+    int winding = 0;
+    for (size_t i = 2; i < count; i++) {
+        const int64_t fan_x[3] = {x[0], x[i - 1], x[i]}, fan_y[3] = {y[0], y[i - 1], y[i]};
+        winding += signed_coverage(fan_x, fan_y, column, row);
+    }
+    return winding;
+}
+
 int64_t oracle_area(const oracle_triangle *t) {
     return (t->snapped_x[1] - t->snapped_x[0]) * (t->snapped_y[2] - t->snapped_y[0]) -
            (t->snapped_x[2] - t->snapped_x[0]) * (t->snapped_y[1] - t->snapped_y[0]);
 }
 
 bool oracle_covers(const oracle_triangle *t, int column, int row) {
-    const int64_t px = 256 * (int64_t)column + 128, py = 256 * (int64_t)row + 128;
-    const int facing = sign_of(oracle_area(t));
-    if (facing == 0)
-        return false;
-    for (int a = 0; a < 3; a++) {
-        const int b = (a + 1) % 3;
-        if (side(t->snapped_x[a], t->snapped_y[a], t->snapped_x[b], t->snapped_y[b], px, py) !=
-            facing)
-            return false;
-    }
-    return true;
+    return signed_coverage(t->snapped_x, t->snapped_y, column, row) != 0;
 }
 
 /* Barycentric weights of the point; they need not lie within 0 .. 1. */

@@ -36,6 +36,13 @@ int64_t oracle_area(const oracle_triangle *triangle);
  * down by its square, lies strictly inside the snapped triangle. */
 bool oracle_covers(const oracle_triangle *triangle, int column, int row);
 
+/* The winding number of a polygon of snapped corners about the sample, positive clockwise with y
+ * down: how many triangles of the fan about its first corner contain the sample, by their signs. */
+int oracle_winding(size_t count, const int64_t *x, const int64_t *y, int column, int row);
+
+/* Nearest even. */
+int64_t oracle_snap(double pixels);
+
 /* The plane through the unsnapped triangle at the sample. */
 oracle_real oracle_depth(const oracle_triangle *triangle, int column, int row);
 
