@@ -24,7 +24,7 @@ typedef struct chunk_job {
     struct task_count {
         size_t coded;
         uint64_t not_finite;
-    } *counts; /* one a task */
+    } * counts; /* one a task */
 } chunk_job;
 
 static bool is_affine(const shb_mat4 *matrix) {
@@ -52,8 +52,8 @@ static void transform_run(chunk_job *job, const shb_draw_instance *instance, uin
         atomic_store_explicit(&job->any_coded, true, memory_order_relaxed);
 }
 
-/* The instance of a vertex: the last one that starts at or before it (instances without vertices have
- * no triangles and are not in the list). */
+/* The instance of a vertex: the last one that starts at or before it (instances without vertices
+ * have no triangles and are not in the list). */
 static const shb_draw_instance *instance_of_vertex(const shb_geometry *geometry, uint64_t vertex) {
     size_t lo = 0, hi = geometry->instance_count;
     while (hi - lo > 1) {

@@ -1,8 +1,9 @@
 /* Which triangles of the chunks reach which tile.
  *
- * Chunks are binned in blocks of SHB_BLOCK_CHUNKS, each on its own: a block's triangles are sorted by
- * tile, in rising order of ids within a tile. A block of large triangles, which touch so many tiles
- * that its list would overflow, stays unsorted: all of its chunks are offered to every tile. */
+ * Chunks are binned in blocks of SHB_BLOCK_CHUNKS, each on its own: a block's triangles are sorted
+ * by tile, in rising order of ids within a tile. A block of large triangles, which touch so many
+ * tiles that its list would overflow, stays unsorted: all of its chunks are offered to every tile.
+ */
 #ifndef SRC_CHUNK_BIN_H
 #define SRC_CHUNK_BIN_H
 
@@ -15,8 +16,8 @@ typedef uint16_t shb_binned;
 
 typedef struct shb_chunk_bins {
     size_t blocks;
-    uint32_t columns, rows;   /* of tiles */
-    const uint16_t *ends;     /* blocks * (tiles + 1); the last one of a block is 1 if it is sorted */
+    uint32_t columns, rows; /* of tiles */
+    const uint16_t *ends;   /* blocks * (tiles + 1); the last one of a block is 1 if it is sorted */
     const shb_binned *binned; /* SHB_BLOCK_CAPACITY for each block */
     uint64_t drawn;           /* triangles in all blocks */
 } shb_chunk_bins;

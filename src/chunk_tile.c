@@ -50,8 +50,7 @@ static bool can_draw_directly(const shb_draw_desc *desc) {
     const size_t second_stride = desc->second.stride ? desc->second.stride : row;
     const size_t id_stride = desc->id_stride ? desc->id_stride : row;
     return desc->width % 16 == 0 && desc->depth.texels && is_direct_depth(&desc->depth) &&
-           (!desc->second.texels ||
-            (is_direct_depth(&desc->second) && second_stride == stride)) &&
+           (!desc->second.texels || (is_direct_depth(&desc->second) && second_stride == stride)) &&
            (!desc->ids || id_stride == stride);
 }
 
@@ -65,8 +64,7 @@ static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
     if (desc->tile_size)
         for (made.tile_bits = 4; desc->tile_size >> made.tile_bits != 1; made.tile_bits++)
             continue;
-    while (((uint64_t)desc->width >> made.tile_bits) * (desc->height >> made.tile_bits) >
-           TILES_MAX)
+    while (((uint64_t)desc->width >> made.tile_bits) * (desc->height >> made.tile_bits) > TILES_MAX)
         made.tile_bits++;
     return made;
 }
@@ -228,8 +226,7 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .target = target,
                     .chunks = chunks,
                     .grid = choose_grid(context, desc, geometry)};
-    if (!job.grid.single &&
-        !shb_chunks_bin(context, target, chunks, job.grid.tile_bits, &job.bins))
+    if (!job.grid.single && !shb_chunks_bin(context, target, chunks, job.grid.tile_bits, &job.bins))
         return false;
     const size_t tiles = count_tiles(&job);
     const size_t lanes = tiles < context->threads ? tiles : context->threads;

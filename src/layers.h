@@ -21,8 +21,8 @@
 
 #include "plane.h"
 
-/* Depths are canonical. Sample (column, row) is element (row - samples.first_row) * pitch + column -
- * samples.first_column of each array. */
+/* Depths are canonical. Sample (column, row) is element (row - samples.first_row) * pitch + column
+ * - samples.first_column of each array. */
 typedef struct shb_layers {
     shb_samples samples;
     size_t pitch;
@@ -39,12 +39,13 @@ shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc, 
 /* Far depths and no ids. */
 void shb_layers_clear(const shb_layers *layers, bool reversed);
 
-/* Merges a drawn shape. The order of shapes does not matter: at each sample the lowest (depth, id) is
- * the nearest layer, the next depth is the second. */
+/* Merges a drawn shape. The order of shapes does not matter: at each sample the lowest (depth, id)
+ * is the nearest layer, the next depth is the second. */
 void shb_layers_draw(const shb_layers *layers, const shb_target *target, const shb_shape *shape,
                      uint32_t id);
 
-/* Stores the samples in the images that the description wants, except where a layer is the image. */
+/* Stores the samples in the images that the description wants, except where a layer is the image.
+ */
 void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc);
 
 #endif

@@ -25,7 +25,8 @@ static void classify(int count, const shb_tile *tile, const chunk_boxes *restric
         const int32_t not_small = (SHB_SMALL - width) | (SHB_SMALL - height);
         const int32_t outside = (x - x0) | (y - y0) | (x1 - x - width) | (y1 - y - height);
         const int32_t not_rows = outside | (NARROW - width) | (ROWS_MAX - height);
-        const int32_t not_tiny = not_rows | (2 - width) | (2 - height) | (x1 - x - 2) | (y1 - y - 2);
+        const int32_t not_tiny =
+            not_rows | (2 - width) | (2 - height) | (x1 - x - 2) | (y1 - y - 2);
         const int32_t careful = not_small < 0 ? CLASS_LARGE_CAREFUL : CLASS_SMALL_CAREFUL;
         int32_t class = not_small < 0 ? CLASS_LARGE : CLASS_SMALL;
         class = not_rows < 0 ? class : height;
@@ -38,7 +39,8 @@ static void classify(int count, const shb_tile *tile, const chunk_boxes *restric
     memset(classes + count, CLASS_NONE, SHB_CHUNK - (size_t)count);
 }
 
-/* The four samples of each tiny triangle: its depth, or beyond the far depth where it is outside. */
+/* The four samples of each tiny triangle: its depth, or beyond the far depth where it is outside.
+ */
 typedef struct tiny_samples {
     SHB_ALIGN float depth[4][SHB_CHUNK];
     int32_t none[SHB_CHUNK]; /* -1 if all four are outside */
@@ -63,8 +65,8 @@ static void sample_tiny(int count, const chunk_planes *restrict planes,
     }
 }
 
-static inline __attribute__((always_inline)) void
-merge_sample(const shb_tile *tile, int layers, ptrdiff_t at, float z, uint32_t id) {
+static inline __attribute__((always_inline)) void merge_sample(const shb_tile *tile, int layers,
+                                                               ptrdiff_t at, float z, uint32_t id) {
     const float nearest = tile->depth[at];
     if (layers & LAYER_IDS) {
         const bool wins = (z < nearest) | ((z == nearest) & ((int32_t)id < (int32_t)tile->ids[at]));
@@ -77,9 +79,10 @@ merge_sample(const shb_tile *tile, int layers, ptrdiff_t at, float z, uint32_t i
     tile->depth[at] = MIN(z, nearest);
 }
 
-static inline __attribute__((always_inline)) void
-draw_tiny(const shb_tile *tile, int layers, const chunk_boxes *boxes, const tiny_samples *samples,
-          int t, uint32_t id) {
+static inline __attribute__((always_inline)) void draw_tiny(const shb_tile *tile, int layers,
+                                                            const chunk_boxes *boxes,
+                                                            const tiny_samples *samples, int t,
+                                                            uint32_t id) {
     const ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + boxes->x[t] - tile->x0;
     merge_sample(tile, layers, at, samples->depth[0][t], id);
     merge_sample(tile, layers, at + 1, samples->depth[1][t], id);
@@ -92,8 +95,8 @@ draw_tiny(const shb_tile *tile, int layers, const chunk_boxes *boxes, const tiny
     for (uint64_t members = wide_equal_bytes(classes + half, (class)); members;                    \
          members &= members - 1) {                                                                 \
         const int t = half + __builtin_ctzll(members);                                             \
-        const uint32_t id = (uint32_t)chunk->instance->first_triangle +                            \
-                            triangle_of(chunk, (uint32_t)t);                                       \
+        const uint32_t id =                                                                        \
+            (uint32_t)chunk->instance->first_triangle + triangle_of(chunk, (uint32_t)t);           \
         draw;                                                                                      \
     }
 
@@ -132,8 +135,8 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     chunk_planes planes;
     tiny_samples samples;
     uint8_t classes[SHB_CHUNK];
-    const uint32_t kept = look_at_chunk(chunk, tile->x0, tile->y0, tile->right, tile->y1, &corners,
-                                        &boxes);
+    const uint32_t kept =
+        look_at_chunk(chunk, tile->x0, tile->y0, tile->right, tile->y1, &corners, &boxes);
     if (kept == 0)
         return 0;
     set_up_edges(count, &boxes, &planes);

@@ -2,11 +2,10 @@
 
 #define W(name) SHB_JOIN(name, LANES)
 
-/* Merges one vector of samples into the tile; edges is negative outside the triangle. At equal depth
- * the lower id wins, so that the order of triangles does not matter. */
-static inline __attribute__((always_inline)) void W(merge)(const shb_tile *tile, int layers,
-                                                           ptrdiff_t at, W(wi) edges, W(wf) z,
-                                                           W(wi) id) {
+/* Merges one vector of samples into the tile; edges is negative outside the triangle. At equal
+ * depth the lower id wins, so that the order of triangles does not matter. */
+static inline __attribute__((always_inline)) void
+W(merge)(const shb_tile *tile, int layers, ptrdiff_t at, W(wi) edges, W(wf) z, W(wi) id) {
     const W(wf) nearest = W(wf_load)(tile->depth + at);
     if (layers == 0) {
         W(wf_store)(tile->depth + at, W(wf_min_inside)(edges, z, nearest));
@@ -29,8 +28,8 @@ static inline __attribute__((always_inline)) void W(merge)(const shb_tile *tile,
     }
 }
 
-/* Samples of a block: columns left .. right - 1, rounded up to whole vectors, rows top .. bottom - 1.
- * edges counts from (left, top). */
+/* Samples of a block: columns left .. right - 1, rounded up to whole vectors, rows top .. bottom
+ * - 1. edges counts from (left, top). */
 static inline __attribute__((always_inline)) void
 W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
               const chunk_planes *planes, int t, uint32_t triangle, bool plain,
@@ -54,10 +53,10 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
         W(wf) column = columns;
         ptrdiff_t at = (y - tile->y0) * tile->stride + left - tile->x0;
         for (int32_t i = 0; i < right - left; i += LANES, at += LANES) {
-            const W(wf) z = plain ? W(wf_add)(base, W(wf_mul)(depth_x, column))
-                                  : W(wf_plane)(careful_base, planes->step_x[t],
-                                                (double)(first_column + i), planes->lo[t],
-                                                planes->hi[t]);
+            const W(wf) z =
+                plain ? W(wf_add)(base, W(wf_mul)(depth_x, column))
+                      : W(wf_plane)(careful_base, planes->step_x[t], (double)(first_column + i),
+                                    planes->lo[t], planes->hi[t]);
             W(merge)(tile, layers, at, W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]), z, id);
             for (int k = 0; k < 3; k++)
                 edge[k] = W(wi_add)(edge[k], step_x[k]);
@@ -68,11 +67,11 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
     }
 }
 
-/* The part of the box that lies in the tile, widened to the left so that whole vectors stay in it. */
+/* The part of the box that lies in the tile, widened to the left so that whole vectors stay in it.
+ */
 static inline sample_rectangle W(clip_box)(const shb_tile *tile, const chunk_boxes *boxes, int t) {
     const int32_t x = boxes->x[t], y = boxes->y[t];
-    sample_rectangle part = {MAX(x, tile->x0), MAX(y, tile->y0),
-                             MIN(x + boxes->width[t], tile->x1),
+    sample_rectangle part = {MAX(x, tile->x0), MAX(y, tile->y0), MIN(x + boxes->width[t], tile->x1),
                              MIN(y + boxes->height[t], tile->y1)};
     const int32_t span = (part.right - part.left + LANES - 1) / LANES * LANES;
     part.left = MIN(part.left, tile->x1 - span);
@@ -80,9 +79,10 @@ static inline sample_rectangle W(clip_box)(const shb_tile *tile, const chunk_box
 }
 
 /* A triangle whose box is at most SHB_SMALL samples wide and high. */
-static inline __attribute__((always_inline)) void
-W(draw_small)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
-              const chunk_planes *planes, int t, uint32_t id, bool plain) {
+static inline __attribute__((always_inline)) void W(draw_small)(const shb_tile *tile, int layers,
+                                                                const chunk_boxes *boxes,
+                                                                const chunk_planes *planes, int t,
+                                                                uint32_t id, bool plain) {
     const sample_rectangle part = W(clip_box)(tile, boxes, t);
     const int32_t i = part.left - boxes->x[t], j = part.top - boxes->y[t];
     block_edges edges;
@@ -91,15 +91,17 @@ W(draw_small)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
         edges.step_y[k] = planes->edge_y[k][t];
         edges.value[k] = planes->edge[k][t] + edges.step_x[k] * i + edges.step_y[k] * j;
     }
-    W(draw_block)(tile, layers, boxes, planes, t, id, plain, &edges, part.left, part.top,
-                  part.right, part.bottom);
+    W(draw_block)
+    (tile, layers, boxes, planes, t, id, plain, &edges, part.left, part.top, part.right,
+     part.bottom);
 }
 
-/* Any triangle: blocks of SHB_SMALL samples are rejected or freed of the edges that cover them whole;
- * the edges that cross a block fit into 32 bits there. */
-static inline __attribute__((always_inline)) void
-W(draw_large)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
-              const chunk_planes *planes, int t, uint32_t id, bool plain) {
+/* Any triangle: blocks of SHB_SMALL samples are rejected or freed of the edges that cover them
+ * whole; the edges that cross a block fit into 32 bits there. */
+static inline __attribute__((always_inline)) void W(draw_large)(const shb_tile *tile, int layers,
+                                                                const chunk_boxes *boxes,
+                                                                const chunk_planes *planes, int t,
+                                                                uint32_t id, bool plain) {
     const sample_rectangle part = W(clip_box)(tile, boxes, t);
     int64_t first[3];
     find_wide_edges(boxes, planes, t, first);
@@ -112,17 +114,18 @@ W(draw_large)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
             if (!find_block_edges(planes, t, first, left - boxes->x[t], top - boxes->y[t], width,
                                   bottom - top, &edges))
                 continue;
-            W(draw_block)(tile, layers, boxes, planes, t, id, plain, &edges, left, top, right,
-                          bottom);
+            W(draw_block)
+            (tile, layers, boxes, planes, t, id, plain, &edges, left, top, right, bottom);
         }
     }
 }
 
 /* A plain triangle inside the tile whose box is one vector wide and height rows high: height is a
  * constant where this is inlined, so the loop unrolls and no branch depends on the triangle. */
-static inline __attribute__((always_inline)) void
-W(draw_rows)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
-             const chunk_planes *planes, int t, uint32_t triangle, int height) {
+static inline __attribute__((always_inline)) void W(draw_rows)(const shb_tile *tile, int layers,
+                                                               const chunk_boxes *boxes,
+                                                               const chunk_planes *planes, int t,
+                                                               uint32_t triangle, int height) {
     const W(wi) id = W(wi_splat)((int32_t)triangle);
     const int32_t left = MIN(boxes->x[t], tile->x1 - LANES), shift = left - boxes->x[t];
     const W(wi) lanes = W(wi_add)(W(wi_splat)(shift), W(wi_lanes)());

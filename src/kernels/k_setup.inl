@@ -26,8 +26,8 @@ typedef struct chunk_boxes {
 } chunk_boxes;
 
 /* Edges and depths, counted from the box's first sample. A sample is inside where no edge value is
- * negative: they are floor((E + bias) / 256) of the exact edge function E, bias -1 on an edge that is
- * neither top nor left. 32 bits hold them in boxes of up to SHB_SMALL samples. */
+ * negative: they are floor((E + bias) / 256) of the exact edge function E, bias -1 on an edge that
+ * is neither top nor left. 32 bits hold them in boxes of up to SHB_SMALL samples. */
 typedef struct chunk_planes {
     SHB_ALIGN int32_t edge[3][SHB_CHUNK];
     int32_t edge_x[3][SHB_CHUNK], edge_y[3][SHB_CHUNK];
@@ -154,8 +154,7 @@ static void set_up_edges(int count, const chunk_boxes *restrict boxes,
             const int32_t dy = (boxes->corner_y[next][t] - py) * sign;
             const int32_t to_x = boxes->x[t] * 256 + 128 - px;
             const int32_t to_y = boxes->y[t] * 256 + 128 - py;
-            const uint32_t value =
-                (uint32_t)dx * (uint32_t)to_y - (uint32_t)dy * (uint32_t)to_x;
+            const uint32_t value = (uint32_t)dx * (uint32_t)to_y - (uint32_t)dy * (uint32_t)to_x;
             const int32_t top_left = dy < 0 ? 0 : -1;
             const int32_t bias = dy == 0 ? dx >> 31 : top_left;
             planes->edge[k][t] = (int32_t)(value + (uint32_t)bias) >> 8;

@@ -39,8 +39,8 @@ transform_block(const shb_transform_job *job, size_t count, bool affine, vertex_
         const double near = distance(&cut[0], z, w);
         const double left = distance(&cut[1], x, w), right = distance(&cut[2], x, w);
         const double top = distance(&cut[3], y, w), bottom = distance(&cut[4], y, w);
-        const bool usable = finite & (w >= SHB_W_MIN) & (near >= 0) & (left >= 0) &
-                            (right >= 0) & (top >= 0) & (bottom >= 0);
+        const bool usable = finite & (w >= SHB_W_MIN) & (near >= 0) & (left >= 0) & (right >= 0) &
+                            (top >= 0) & (bottom >= 0);
         const double inverse_w = affine ? 1.0 : 1.0 / w;
         block->x[i] = usable ? (x * inverse_w) * half_width + half_width : 0.0;
         block->y[i] = usable ? (y * inverse_w) * -half_height + half_height : 0.0;

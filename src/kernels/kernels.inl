@@ -1,6 +1,24 @@
 /* All kernels of one instruction set. The including file has chosen the target, included the wide
- * types and defined NARROW and WIDE (lanes for small and for larger triangles) and KERNELS (the name
- * of the table). */
+ * types and defined NARROW and WIDE (lanes for small and for larger triangles) and KERNELS (the
+ * name of the table).
+ *
+ * The wide types are what a kernel may ask of an instruction set. Each wide_*.h defines the
+ * following for its number of lanes, which ends every name (wf_add8); k_*.inl write W(wf_add).
+ *
+ *   wf, wi, wm            floats, 32-bit integers, a mask of lanes
+ *   wf_splat, wi_splat    the same number in every lane
+ *   wf_lanes, wi_lanes    0, 1, 2, ...
+ *   wf_load, wf_store, wi_load, wi_store    from and to any address
+ *   wf_add, wf_mul, wi_add, wi_mul, wi_or
+ *   wf_select, wi_select(m, a, b)           m ? a : b
+ *   wf_min_inside(edges, z, q)              edges >= 0 && z < q ? z : q
+ *   wm_inside(edges)                        edges >= 0
+ *   wm_less(m, a, b)                        m && a < b
+ *   wm_equal_less(m, a, b, c, d)            m && a == b && c < d
+ *   wm_or(a, b)
+ *   wf_plane(base, step, column, lo, hi)    base + step * (column + lane) in double, lo where it is
+ *                                           below, hi where it is above, rounded to float
+ *   wide_equal_bytes(bytes, value)          bit i: byte i of 64 equals value */
 
 #define SHB_JOIN_(a, b) a##b
 #define SHB_JOIN(a, b) SHB_JOIN_(a, b)

@@ -46,9 +46,9 @@ typedef struct shb_chunk {
     uint32_t count;
 } shb_chunk;
 
-/* A rectangle of the target, columns x0 .. x1 - 1 and rows y0 .. y1 - 1; x1 - x0 is a multiple of 16,
- * and columns from right on are not wanted but may be written. Texel (x, y) is element
- * (y - y0) * stride + x - x0. */
+/* A rectangle of the target, columns x0 .. x1 - 1 and rows y0 .. y1 - 1; x1 - x0 is a multiple of
+ * 16, and columns from right on are not wanted but may be written. Texel (x, y) is element (y - y0)
+ * * stride + x - x0. */
 typedef struct shb_tile {
     float *depth;
     float *second; /* NULL: not wanted */

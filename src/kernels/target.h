@@ -4,8 +4,8 @@
 
 #include "../strict.h"
 
-/* Loops are vectorised whatever the host's level of optimisation. gcc heeds this line only outside of
- * a macro. */
+/* Loops are vectorised whatever the host's level of optimisation. gcc heeds this line only outside
+ * of a macro. */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3")
 #endif
@@ -27,8 +27,7 @@
     SHB_PRAGMA(clang attribute push(__attribute__((target(features))), apply_to = function))
 #define SHB_TARGET_END SHB_PRAGMA(clang attribute pop)
 #else
-#define SHB_TARGET_BEGIN(features)                                                                 \
-    SHB_PRAGMA(GCC push_options) SHB_PRAGMA(GCC target(features))
+#define SHB_TARGET_BEGIN(features) SHB_PRAGMA(GCC push_options) SHB_PRAGMA(GCC target(features))
 #define SHB_TARGET_END SHB_PRAGMA(GCC pop_options)
 #endif
 

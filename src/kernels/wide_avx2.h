@@ -1,4 +1,4 @@
-/* Eight lanes of 32 bits. The operations are those of wide.h. */
+/* Eight lanes of 32 bits. The operations are those of kernels.inl. */
 #ifndef SRC_KERNELS_WIDE_AVX2_H
 #define SRC_KERNELS_WIDE_AVX2_H
 

@@ -1,4 +1,4 @@
-/* Sixteen lanes of 32 bits (AVX-512 F, VL, DQ, BW). The operations are those of wide.h. */
+/* Sixteen lanes of 32 bits (AVX-512 F, VL, DQ, BW). The operations are those of kernels.inl. */
 #ifndef SRC_KERNELS_WIDE_AVX512_H
 #define SRC_KERNELS_WIDE_AVX512_H
 

@@ -1,4 +1,4 @@
-/* Four lanes of 32 bits: the x86-64 baseline. The operations are those of wide.h. */
+/* Four lanes of 32 bits: the x86-64 baseline. The operations are those of kernels.inl. */
 #ifndef SRC_KERNELS_WIDE_SSE2_H
 #define SRC_KERNELS_WIDE_SSE2_H
 
