@@ -202,23 +202,61 @@ TEST(sheets_that_share_welded_corners_have_no_boundary_between_them) {
         soup_free(parts[i]);
 }
 
-static uint8_t under_folded_sheet(double x, double y) {
-    return rectangle_shadow(x, y, -10.0625, 9.4375, -5.3125, 15.8125);
-}
-
 TEST(a_fold_is_a_boundary_and_a_ridge_is_none) {
-    /* The ridge at x = 0.0625 has its slopes on both sides. The fold at x = 9.4375 has both sheets
-     * on its left: the lower one runs back under the roof and joins it at x = -10.0625. */
+    /* The ridge at x = 0 (and -0, which is the same place) has its slopes on both sides. The fold
+     * at x = 9.4375 has both sheets on its left: the lower one runs back under the roof and joins
+     * it at x = -10.0625. */
     soup s = {0};
     add_ground(&s);
     const float y0 = -5.3125f, y1 = 15.8125f;
-    soup_add_quad(&s, (float[3]){-10.0625f, y0, 8}, (float[3]){0.0625f, y0, 12},
-                  (float[3]){0.0625f, y1, 12}, (float[3]){-10.0625f, y1, 8});
-    soup_add_quad(&s, (float[3]){0.0625f, y0, 12}, (float[3]){9.4375f, y0, 8},
-                  (float[3]){9.4375f, y1, 8}, (float[3]){0.0625f, y1, 12});
+    soup_add_quad(&s, (float[3]){-10.0625f, y0, 8}, (float[3]){0, y0, 12}, (float[3]){0, y1, 12},
+                  (float[3]){-10.0625f, y1, 8});
+    soup_add_quad(&s, (float[3]){-0.0f, y0, 12}, (float[3]){9.4375f, y0, 8},
+                  (float[3]){9.4375f, y1, 8}, (float[3]){-0.0f, y1, 12});
     soup_add_quad(&s, (float[3]){9.4375f, y0, 8}, (float[3]){9.4375f, y1, 8},
                   (float[3]){-10.0625f, y1, 8}, (float[3]){-10.0625f, y0, 8});
-    check_scene(&s, view_from_height(5), view_from_height(60), 64, under_folded_sheet);
+    check_scene(&s, view_from_height(5), view_from_height(60), 64, under_floating_sheet);
+}
+
+TEST(triangles_without_area_make_no_boundary) {
+    soup s = {0};
+    add_ground(&s);
+    add_sheet(&s, -10.0625f, -5.3125f, 9.4375f, 15.8125f, 10);
+    soup_add(&s, (float[3]){0, 0, 8}, (float[3]){0, 0, 8}, (float[3]){0, 0, 8});
+    soup_add(&s, (float[3]){1, 5, 8}, (float[3]){1, 5, 8}, (float[3]){5, 6, 9});
+    soup_add(&s, (float[3]){-2, 2, 8}, (float[3]){-4, 4, 8}, (float[3]){-8, 8, 8});
+    check_scene(&s, view_from_height(5), view_from_height(60), 64, under_floating_sheet);
+}
+
+/* The view of a scene that is moved by a rigid or similar transform, moved with it. */
+static shb_view moved_view(shb_view view, shb_mat4 place) {
+    shb_mat4 back;
+    CHECK_INT(shb_mat4_inverse(place, &back), SHB_OK);
+    view.clip_from_world = shb_mat4_multiply(view.clip_from_world, back);
+    return view;
+}
+
+TEST(a_box_lit_along_its_sides_has_their_outline_as_boundary) {
+    /* Seen from the light the sides are lines, and rounding decides what side of each other their
+     * edges are on. The ground shows its back to light and camera. */
+    test_random random = {3};
+    for (int round = 0; round < 24; round++) {
+        soup s = {0};
+        add_sheet(&s, 30, -30, -30, 30, 0);
+        soup_add_box(&s, (float[3]){-10.0625f, -5.3125f, 8}, (float[3]){9.4375f, 15.8125f, 12});
+        shb_mat4 place = shb_mat4_identity();
+        if (round) {
+            const double scale = pow(10, random_double(&random, -4, 6));
+            const shb_vec3 axis = {random_double(&random, -1, 1), 1, random_double(&random, -1, 1)};
+            place = shb_mat4_multiply(
+                shb_mat4_translation(scale * 100 * (round % 3), -scale * 7, scale),
+                shb_mat4_multiply(shb_mat4_scaling(scale, scale, scale),
+                                  shb_mat4_rotation(axis, random_double(&random, 0, 6))));
+        }
+        s.transform = place;
+        check_scene(&s, moved_view(view_from_height(5), place),
+                    moved_view(view_from_height(60), place), 64, under_floating_sheet);
+    }
 }
 
 static uint8_t under_point_light(double x, double y) {
@@ -416,6 +454,21 @@ TEST(surfaces_turned_away_or_below_the_least_cosine_are_not_classified) {
         CHECK_INT(count_truth(&t, SHB_TRUTH_NONE), k < 2 ? PIXEL_COUNT - covered : PIXEL_COUNT);
         stage_end(&t);
     }
+    soup_free(&s);
+}
+
+TEST(pixels_behind_a_spot_light_are_not_classified) {
+    /* The light hangs over the ground and looks up: x / w of the ground lies within the map. */
+    soup s = {0};
+    add_ground(&s);
+    shb_view light;
+    CHECK_INT(shb_view_perspective((shb_vec3){0, 0, 20}, (shb_vec3){0, 0, 40}, (shb_vec3){0, 1, 0},
+                                   2, 1, 1, 100, false, &light),
+              SHB_OK);
+    stage t = stage_for(soup_scene(&s), view_from_height(50), light, 64);
+    classify(&t);
+    CHECK_INT(count_truth(&t, SHB_TRUTH_NONE), PIXEL_COUNT);
+    stage_end(&t);
     soup_free(&s);
 }
 

@@ -152,6 +152,54 @@ TEST(occlusion_on_a_grid_equals_integer_arithmetic) {
     }
 }
 
+__extension__ typedef __int128 int128;
+
+/* Corners have 24 bits, the origin has 28 bits more after the point: products of their differences
+ * need 104. */
+enum { FINE = 28 };
+
+static int128 fine_side(const int32_t a[2], const int32_t b[2], const int64_t origin[2]) {
+    const int128 ax = ((int128)a[0] << FINE) - origin[0], ay = ((int128)a[1] << FINE) - origin[1];
+    const int128 bx = ((int128)b[0] << FINE) - origin[0], by = ((int128)b[1] << FINE) - origin[1];
+    return ax * by - ay * bx;
+}
+
+TEST(rays_beside_an_edge_are_told_apart_to_the_last_bit) {
+    /* The origin is the point of the grid next to a point of the triangle's first edge. The ray
+     * runs along z, so that nothing is lost by shearing. */
+    test_random random = {11};
+    int wrong = 0, hits = 0;
+    for (int round = 0; round < 3000; round++) {
+        int32_t p[3][2];
+        float corners[3][3];
+        for (int k = 0; k < 3; k++) {
+            for (int i = 0; i < 2; i++) {
+                p[k][i] = (int32_t)random_below(&random, 1u << 24) - (1 << 23);
+                corners[k][i] = (float)p[k][i];
+            }
+            corners[k][2] = 1;
+        }
+        const double along = random_double(&random, 0.1, 0.9);
+        int64_t origin[2];
+        for (int i = 0; i < 2; i++)
+            origin[i] = (int64_t)((p[0][i] + along * (p[1][i] - p[0][i])) * (1 << FINE));
+        const int128 u = fine_side(p[1], p[2], origin), v = fine_side(p[2], p[0], origin),
+                     w = fine_side(p[0], p[1], origin);
+        const bool expected = (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
+        const shb_vec3 point = {(double)origin[0] / (1 << FINE), (double)origin[1] / (1 << FINE),
+                                0};
+        soup s = {0};
+        soup_add(&s, corners[0], corners[1], corners[2]);
+        setup t = setup_for(soup_scene(&s));
+        wrong += occluded(t.reference, light_along(0, 0, 1), point, SHB_ID_NONE) != expected;
+        hits += expected;
+        setup_end(&t);
+        soup_free(&s);
+    }
+    CHECK_INT(wrong, 0);
+    CHECK(hits > 1000 && hits < 2000);
+}
+
 /* ---- a slow intersection with a margin of doubt ---- */
 
 typedef long double wide;
@@ -361,6 +409,22 @@ TEST(no_ray_leaves_a_closed_ball_of_spikes_and_needles) {
     }
 }
 
+TEST(a_ray_hits_the_corner_of_a_needle_whose_plane_is_lost_in_rounding) {
+    /* The corners become (0, 0, 1), (1, 1, 1) and (2, 2 + 2^-50, 1): the normal, 2^-50, is less
+     * than the rounding of its two products of size 2, yet everything lies 1 above the origin. */
+    soup s = {0};
+    soup_add(&s, (float[3]){0, 0, 1}, (float[3]){1, 0, 1}, (float[3]){2, 1, 1});
+    s.transform = shb_mat4_identity();
+    s.transform.m[1] = 1;
+    s.transform.m[5] = 0x1p-50;
+    setup t = setup_for(soup_scene(&s));
+    CHECK_INT(occluded(t.reference, light_along(0, 0, 1), (shb_vec3){1, 1, 0}, SHB_ID_NONE), 1);
+    CHECK_INT(occluded(t.reference, light_along(0, 0, 1), (shb_vec3){1, 1, 1}, SHB_ID_NONE), 0);
+    CHECK_INT(occluded(t.reference, light_along(0, 0, 1), (shb_vec3){1, 1, 2}, SHB_ID_NONE), 0);
+    setup_end(&t);
+    soup_free(&s);
+}
+
 /* ---- touching surfaces ---- */
 
 /* The ground is the square -1 .. 1 in a plane, cut along its diagonal. */
@@ -436,6 +500,65 @@ TEST(a_coplanar_sheet_or_duplicate_does_not_shadow) {
             const double w = random_double(&random, 0, 1);
             const shb_vec3 point = point_of(corners, w, random_double(&random, 0, 1 - w));
             shadowed += occluded(t.reference, light_above(&random, &s.transform), point, own);
+        }
+        setup_end(&t);
+        soup_free(&s);
+    }
+    CHECK_INT(shadowed, 0);
+}
+
+TEST(a_coplanar_needle_does_not_shadow_the_shared_edge) {
+    /* The normals of needles are mostly rounding. */
+    test_random random = {12};
+    int shadowed = 0;
+    for (int round = 0; round < 1000; round++) {
+        float p[4][3] = {{0}};
+        for (int i = 0; i < 2; i++) {
+            p[0][i] = (float)random_double(&random, -1, 1);
+            p[1][i] = (float)random_double(&random, -1, 1);
+            p[2][i] = (float)random_double(&random, -1, 1);
+        }
+        const float t = (float)random_double(&random, -1, 2);
+        for (int i = 0; i < 2; i++)
+            p[3][i] = p[0][i] + t * (p[1][i] - p[0][i]);
+        soup s = {0};
+        soup_add(&s, p[0], p[1], p[2]);
+        soup_add(&s, p[0], p[1], p[3]);
+        s.transform = random_place(&random, 1, 0);
+        setup u = setup_for(soup_scene(&s));
+        shb_vec3 corners[3];
+        shb_scene_triangle(soup_scene(&s), 0, corners);
+        for (int k = 0; k < 10; k++) {
+            const shb_vec3 point = point_of(corners, random_double(&random, 0, 1), 0);
+            shadowed += occluded(u.reference, light_above(&random, &s.transform), point, 0);
+        }
+        setup_end(&u);
+        soup_free(&s);
+    }
+    CHECK_INT(shadowed, 0);
+}
+
+TEST(a_tiny_coplanar_sheet_does_not_shadow_a_large_triangle) {
+    /* The rounding of the points is that of the large triangle's corners. */
+    test_random random = {13};
+    int shadowed = 0;
+    for (int round = 0; round < 200; round++) {
+        soup s = {0};
+        soup_add(&s, (float[3]){-1000, -900, 0}, (float[3]){1100, -1000, 0},
+                 (float[3]){-80, 950, 0});
+        soup_add_quad(&s, (float[3]){-0.001f, -0.001f, 0}, (float[3]){0.001f, -0.001f, 0},
+                      (float[3]){0.001f, 0.001f, 0}, (float[3]){-0.001f, 0.001f, 0});
+        s.transform = random_place(&random, 1, 0);
+        setup t = setup_for(soup_scene(&s));
+        shb_vec3 corners[3];
+        shb_scene_triangle(soup_scene(&s), 0, corners);
+        for (int k = 0; k < 40; k++) {
+            /* weights of a point close to 0: solve for them in the plane */
+            const double x = random_double(&random, -0.0009, 0.0009) + 1000, y = 900;
+            const double area = 2100.0 * 1850 + 100.0 * 920;
+            const shb_vec3 point =
+                point_of(corners, (x * 1850 - y * 920) / area, (2100 * y + 100 * x) / area);
+            shadowed += occluded(t.reference, light_above(&random, &s.transform), point, 0);
         }
         setup_end(&t);
         soup_free(&s);
@@ -560,6 +683,30 @@ TEST(equal_and_lopsided_triangles_build_a_hierarchy) {
                   1);
         CHECK_INT(occluded(t.reference, light_at(under.x, under.y, 1.01 * size), under, id), 0);
     }
+    setup_end(&t);
+    soup_free(&s);
+}
+
+TEST(a_hierarchy_is_never_too_deep_for_its_traversal) {
+    /* Triangles of sizes 16^k with their middles at 16^k on each axis: bins tell only the largest
+     * apart, so that the heuristic alone would peel off one at a time, 190 levels deep. All boxes
+     * hold the origin. In its own axes a triangle of size 1 lies in the plane 3.8 x + 3.8 y + 8 z =
+     * -0.4, which a ray along (1, 1, 1) never meets; at 1 / 39 of (-1, -1, -1) its inverse does. */
+    soup s = {0};
+    const float shape[3][3] = {{-1, -1, 0.9f}, {3, -1, -1}, {1, 1, -1}};
+    for (int power = -36; power < 28; power++)
+        for (int axis = 0; axis < 3; axis++) {
+            float p[3][3];
+            for (int k = 0; k < 3; k++)
+                for (int i = 0; i < 3; i++)
+                    p[k][(axis + i) % 3] = ldexpf(shape[k][i], 4 * power);
+            soup_add(&s, p[0], p[1], p[2]);
+        }
+    setup t = setup_for(soup_scene(&s));
+    const shb_vec3 origin = {0, 0, 0};
+    CHECK_INT(occluded(t.reference, light_along(1, 1, 1), origin, SHB_ID_NONE), 0);
+    CHECK_INT(occluded(t.reference, light_along(-1, -1, -1), origin, SHB_ID_NONE), 1);
+    CHECK_INT(occluded(t.reference, light_at(-1e-50, -1e-50, -1e-50), origin, SHB_ID_NONE), 0);
     setup_end(&t);
     soup_free(&s);
 }
