@@ -159,8 +159,9 @@ __extension__ typedef __int128 int128;
 enum { FINE = 28 };
 
 static int128 fine_side(const int32_t a[2], const int32_t b[2], const int64_t origin[2]) {
-    const int128 ax = ((int128)a[0] << FINE) - origin[0], ay = ((int128)a[1] << FINE) - origin[1];
-    const int128 bx = ((int128)b[0] << FINE) - origin[0], by = ((int128)b[1] << FINE) - origin[1];
+    const int128 unit = 1 << FINE;
+    const int128 ax = a[0] * unit - origin[0], ay = a[1] * unit - origin[1];
+    const int128 bx = b[0] * unit - origin[0], by = b[1] * unit - origin[1];
     return ax * by - ay * bx;
 }
 
@@ -691,9 +692,10 @@ TEST(a_hierarchy_is_never_too_deep_for_its_traversal) {
     /* Triangles of sizes 16^k with their middles at 16^k on each axis: bins tell only the largest
      * apart, so that the heuristic alone would peel off one at a time, 190 levels deep. All boxes
      * hold the origin. In its own axes a triangle of size 1 lies in the plane 3.8 x + 3.8 y + 8 z =
-     * -0.4, which a ray along (1, 1, 1) never meets; at 1 / 39 of (-1, -1, -1) its inverse does. */
+     * 0.4: a ray along (1, 1, 1) meets it at 1 / 39 of the way, one along (-1, -1, -1) never does.
+     */
     soup s = {0};
-    const float shape[3][3] = {{-1, -1, 0.9f}, {3, -1, -1}, {1, 1, -1}};
+    const float shape[3][3] = {{-1, -1, 1}, {3, -1, -0.9f}, {1, 1, -0.9f}};
     for (int power = -36; power < 28; power++)
         for (int axis = 0; axis < 3; axis++) {
             float p[3][3];
@@ -704,9 +706,9 @@ TEST(a_hierarchy_is_never_too_deep_for_its_traversal) {
         }
     setup t = setup_for(soup_scene(&s));
     const shb_vec3 origin = {0, 0, 0};
-    CHECK_INT(occluded(t.reference, light_along(1, 1, 1), origin, SHB_ID_NONE), 0);
-    CHECK_INT(occluded(t.reference, light_along(-1, -1, -1), origin, SHB_ID_NONE), 1);
-    CHECK_INT(occluded(t.reference, light_at(-1e-50, -1e-50, -1e-50), origin, SHB_ID_NONE), 0);
+    CHECK_INT(occluded(t.reference, light_along(-1, -1, -1), origin, SHB_ID_NONE), 0);
+    CHECK_INT(occluded(t.reference, light_along(1, 1, 1), origin, SHB_ID_NONE), 1);
+    CHECK_INT(occluded(t.reference, light_at(1e-50, 1e-50, 1e-50), origin, SHB_ID_NONE), 0);
     setup_end(&t);
     soup_free(&s);
 }
