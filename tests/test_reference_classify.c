@@ -24,11 +24,12 @@ typedef struct stage {
     uint8_t *truth;
 } stage;
 
-static stage stage_for(const shb_scene *scene, shb_view camera, shb_view light, uint32_t texels) {
+static stage stage_with_map(const shb_scene *scene, shb_view camera, shb_view light, uint32_t width,
+                            uint32_t height) {
     stage s = {.camera = camera, .scene = scene};
     CHECK_INT(shb_context_create(NULL, &s.context), SHB_OK);
     CHECK_INT(shb_reference_create(s.context, scene, &s.reference), SHB_OK);
-    const shb_map_desc map = {.view = light, .width = texels};
+    const shb_map_desc map = {.view = light, .width = width, .height = height};
     CHECK_INT(shb_map_create(s.context, &map, &s.map), SHB_OK);
     s.ids = malloc(PIXEL_COUNT * sizeof *s.ids);
     s.truth = malloc(PIXEL_COUNT);
@@ -36,6 +37,10 @@ static stage stage_for(const shb_scene *scene, shb_view camera, shb_view light, 
         .view = &s.camera, .scene = scene, .width = PIXELS, .height = PIXELS, .ids = s.ids};
     CHECK_INT(shb_draw(s.context, &draw, NULL), SHB_OK);
     return s;
+}
+
+static stage stage_for(const shb_scene *scene, shb_view camera, shb_view light, uint32_t texels) {
+    return stage_with_map(scene, camera, light, texels, texels);
 }
 
 static shb_classify_desc desc_of(const stage *s) {
@@ -371,8 +376,9 @@ static bool passes_near(const double a[2], const double b[2], double x, double y
     return fabs(distance) <= fabs(nx) + fabs(ny);
 }
 
-TEST(boundaries_of_a_soup_equal_a_search_through_all_edges) {
-    /* Loose triangles between light and ground: all their edges are open and lie above it. */
+/* Loose triangles between light and ground: all their edges are open and lie above it. */
+static void check_soup(uint32_t width, uint32_t height) {
+    const double texels[2] = {width, height};
     test_random random = {1};
     soup s = {0};
     add_ground(&s);
@@ -388,8 +394,7 @@ TEST(boundaries_of_a_soup_equal_a_search_through_all_edges) {
     CHECK_INT(shb_view_perspective((shb_vec3){3, 5, 40}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0},
                                    1.2, 1, 1, 100, false, &light),
               SHB_OK);
-    const uint32_t texels = 300;
-    stage t = stage_for(soup_scene(&s), view_from_height(5), light, texels);
+    stage t = stage_with_map(soup_scene(&s), view_from_height(5), light, width, height);
     classify(&t);
     const double *m = light.clip_from_world.m;
     int wrong = 0, near = 0, in_map = 0;
@@ -401,8 +406,8 @@ TEST(boundaries_of_a_soup_equal_a_search_through_all_edges) {
         for (int i = 0; i < 2; i++) {
             const double w = m[3] * ground_x(pixel) + m[7] * ground_y(pixel) + m[15];
             const double c = m[i] * ground_x(pixel) + m[4 + i] * ground_y(pixel) + m[12 + i];
-            at[i] = (1 + (i ? -c : c) / w) / 2 * texels;
-            outside |= at[i] < 0 || at[i] > texels;
+            at[i] = (1 + (i ? -c : c) / w) / 2 * texels[i];
+            outside |= at[i] < 0 || at[i] > texels[i];
         }
         bool expected = false;
         for (uint32_t k = 3 * 2; k < 3 * s.count && !expected; k++) {
@@ -413,7 +418,7 @@ TEST(boundaries_of_a_soup_equal_a_search_through_all_edges) {
                 const double w = m[3] * x + m[7] * y + m[11] * z + m[15];
                 for (int i = 0; i < 2; i++) {
                     const double c = m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i];
-                    ends[e][i] = (1 + (i ? -c : c) / w) / 2 * texels;
+                    ends[e][i] = (1 + (i ? -c : c) / w) / 2 * texels[i];
                 }
             }
             expected = passes_near(ends[0], ends[1], at[0], at[1]);
@@ -427,6 +432,12 @@ TEST(boundaries_of_a_soup_equal_a_search_through_all_edges) {
     CHECK(near > 500 && near < in_map - 500);
     stage_end(&t);
     soup_free(&s);
+}
+
+TEST(boundaries_of_a_soup_equal_a_search_through_all_edges) {
+    check_soup(300, 300);
+    check_soup(130, 700);
+    check_soup(5000, 180);
 }
 
 /* ---- what is not classified ---- */

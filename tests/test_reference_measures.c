@@ -193,6 +193,14 @@ TEST(detachment_refuses_bad_arguments) {
     CHECK_INT(shb_detachment_measure(NULL, &good, &found), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_detachment_measure(w.reference, NULL, &found), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_detachment_measure(w.reference, &good, NULL), SHB_ERROR_ARGUMENT);
+    shb_map_destroy(map);
+    shb_map_desc behind = {.width = 32};
+    CHECK_INT(shb_view_perspective((shb_vec3){0, 0, 20}, (shb_vec3){0, 0, 40}, (shb_vec3){0, 1, 0},
+                                   1, 1, 1, 100, false, &behind.view),
+              SHB_OK);
+    CHECK_INT(shb_map_create(w.context, &behind, &map), SHB_OK);
+    const shb_detachment_desc dark = probe(map, &none);
+    CHECK_INT(shb_detachment_measure(w.reference, &dark, &found), SHB_ERROR_ARGUMENT);
     CHECK_INT(found.probed, 99);
     shb_map_destroy(map);
     wall_end(&w);
