@@ -36,12 +36,12 @@ static void check_sample(const test_target *target, const oracle_triangle *trian
     }
 }
 
-static void check_triangle(shb_context *context, const test_target *target, const shb_view *view,
+static void check_triangle(test_contexts *contexts, const test_target *target, const shb_view *view,
                            const float corners[9], clip_counts *counts) {
     const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
     const shb_instance instance = {.mesh = &mesh};
     const shb_scene scene = {&instance, 1};
-    counts->clipped += test_target_draw(target, context, view, &scene, 32).clipped;
+    counts->clipped += test_target_draw(target, contexts, view, &scene, 32).clipped;
     const oracle_triangle triangle = oracle_project(view, target->width, target->height, corners);
     const uint32_t step = target->width > 1000 ? 11 : 1;
     for (uint32_t row = 0; row < target->height; row++)
@@ -50,9 +50,9 @@ static void check_triangle(shb_context *context, const test_target *target, cons
 }
 
 static void check_counts(const clip_counts *counts) {
-    CHECK(counts->clipped > 10);
-    CHECK(counts->covered > 10000);
-    CHECK(counts->uncovered > 10000);
+    CHECK(counts->clipped > 5);
+    CHECK(counts->covered > 5000);
+    CHECK(counts->uncovered > 5000);
 }
 
 /* Triangles all around the eye, of any size. */
@@ -63,19 +63,19 @@ static void check_around_eye(double far_distance, bool reversed) {
                                    &view),
               SHB_OK);
     test_random random = {11};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(45, 30);
     clip_counts counts = {0};
-    for (int i = 0; i < 120; i++) {
+    for (int i = 0; i < 80; i++) {
         float corners[9];
         const double size = exp(random_double(&random, log(0.3), log(30)));
         for (int k = 0; k < 9; k++)
             corners[k] = (float)random_double(&random, -size, size);
-        check_triangle(context, &target, &view, corners, &counts);
+        check_triangle(contexts, &target, &view, corners, &counts);
     }
     check_counts(&counts);
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 TEST(triangles_around_the_eye_are_cut_at_the_near_plane) {
@@ -89,7 +89,7 @@ TEST(triangles_around_the_eye_are_cut_at_the_near_plane) {
 static void check_huge(uint32_t width, uint32_t height, double reach, int count) {
     const shb_view view = test_pixel_view(width, height);
     test_random random = {12};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(width, height);
     clip_counts counts = {0};
     for (int i = 0; i < count; i++) {
@@ -99,19 +99,19 @@ static void check_huge(uint32_t width, uint32_t height, double reach, int count)
             corners[3 * k + 1] = (float)(height / 2 + random_double(&random, -reach, reach));
             corners[3 * k + 2] = (float)random_double(&random, 0.2, 0.8);
         }
-        check_triangle(context, &target, &view, corners, &counts);
+        check_triangle(contexts, &target, &view, corners, &counts);
     }
     check_counts(&counts);
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 TEST(huge_triangles_are_cut_at_the_guard_band) {
-    check_huge(64, 32, 30000, 120);
-    check_huge(50, 33, 1e7, 100);
-    check_huge(50, 33, 1e30, 100);
-    check_huge(16384, 2, 40000, 60);
-    check_huge(1, 300, 1e6, 250);
+    check_huge(64, 32, 30000, 80);
+    check_huge(50, 33, 1e7, 60);
+    check_huge(50, 33, 1e30, 60);
+    check_huge(16384, 2, 40000, 40);
+    check_huge(1, 300, 1e6, 150);
 }
 
 /* A level ground of one quad, the eye at height h looking along -z: a row at the slope s below the
@@ -130,9 +130,9 @@ static void check_ground(double far_distance, bool reversed) {
                                    angle, (double)WIDTH / HEIGHT, near_distance, far_distance,
                                    reversed, &view),
               SHB_OK);
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(WIDTH, HEIGHT);
-    CHECK_INT(test_target_draw(&target, context, &view, &scene, 16).clipped, 2);
+    CHECK_INT(test_target_draw(&target, contexts, &view, &scene, 16).clipped, 2);
     for (int at = 0; at < WIDTH * HEIGHT; at++) {
         /* The half angle's tangent is 1: the slope runs from 1 at the top to -1 at the bottom. The
          * near plane cuts at s = h / near = 0.5, which is row 45 exactly, on no centre. */
@@ -148,7 +148,7 @@ static void check_ground(double far_distance, bool reversed) {
                    0x1p-24 + 1e-12);
     }
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 TEST(ground_under_the_eye_has_its_analytic_depth) {
@@ -177,9 +177,9 @@ static uint64_t check_ground_once(test_random *random, uint32_t columns, uint32_
     const shb_instance instance = {.mesh = &grid.mesh};
     const shb_scene scene = {&instance, 1};
     const float quad[9] = {-9, 0, -9, 9, 0, -9, 0, 0, 9}; /* any triangle of that plane */
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(150, 100);
-    const uint64_t clipped = test_target_draw(&target, context, &view, &scene, 64).clipped;
+    const uint64_t clipped = test_target_draw(&target, contexts, &view, &scene, 64).clipped;
     const oracle_triangle plane = oracle_project(&view, 150, 100, quad);
     unsigned holes = 0, ghosts = 0, overlaps = 0, covered = 0;
     for (int at = 0; at < 150 * 100; at++) {
@@ -196,7 +196,7 @@ static uint64_t check_ground_once(test_random *random, uint32_t columns, uint32_
     CHECK_INT(ghosts, 0);
     CHECK_INT(overlaps, 0);
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
     test_grid_destroy(&grid);
     return clipped;
 }
@@ -217,7 +217,7 @@ TEST(a_clipped_mesh_covers_every_sample_once) {
  */
 TEST(a_mesh_beyond_the_guard_band_covers_every_sample_once) {
     test_random random = {14};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     static const uint32_t sizes[][2] = {{64, 48}, {16384, 2}, {3, 200}};
     for (int round = 0; round < 60; round++) {
         const uint32_t width = sizes[round % 3][0], height = sizes[round % 3][1];
@@ -227,13 +227,13 @@ TEST(a_mesh_beyond_the_guard_band_covers_every_sample_once) {
         const shb_instance instance = {.mesh = &grid.mesh};
         const shb_scene scene = {&instance, 1};
         test_target target = test_target_create(width, height);
-        test_target_draw(&target, context, &view, &scene, 512);
+        test_target_draw(&target, contexts, &view, &scene, 512);
         for (uint32_t at = 0; at < width * height; at++)
             CHECK(target.ids[at] != SHB_ID_NONE && target.second[at] == 1);
         test_target_destroy(&target);
         test_grid_destroy(&grid);
     }
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 /* What the near plane leaves of a triangle, in snapped coordinates; 0 corners: nothing. */
@@ -272,7 +272,7 @@ TEST(cut_polygons_cover_where_their_winding_number_is_positive) {
     enum { WIDTH = 64, HEIGHT = 32 };
     static const double directions[][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}, {2, 1}, {-1, 2}};
     test_random random = {15};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     const shb_view view = test_pixel_view(WIDTH, HEIGHT);
     test_target target = test_target_create(WIDTH, HEIGHT);
     unsigned covered = 0, inverted = 0;
@@ -296,7 +296,7 @@ TEST(cut_polygons_cover_where_their_winding_number_is_positive) {
         const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
         const shb_instance instance = {.mesh = &mesh};
         const shb_scene scene = {&instance, 1};
-        test_target_draw(&target, context, &view, &scene, 32);
+        test_target_draw(&target, contexts, &view, &scene, 32);
         const int64_t area = polygon_area(count, x, y);
         for (int at = 0; at < WIDTH * HEIGHT; at++) {
             const int winding = oracle_winding(count, x, y, at % WIDTH, at / WIDTH);
@@ -308,5 +308,5 @@ TEST(cut_polygons_cover_where_their_winding_number_is_positive) {
     CHECK(covered > 3000);
     CHECK(inverted > 0);
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }

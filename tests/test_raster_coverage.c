@@ -11,13 +11,13 @@ typedef struct hand_example {
     const char *rows[4];
 } hand_example;
 
-static void check_hand_example(shb_context *context, const hand_example *example) {
+static void check_hand_example(test_contexts *contexts, const hand_example *example) {
     const shb_view view = test_pixel_view(8, 4);
     const shb_mesh mesh = {.positions = example->corners, .vertex_count = 3, .triangle_count = 1};
     const shb_instance instance = {.mesh = &mesh};
     const shb_scene scene = {&instance, 1};
     test_target target = test_target_create(8, 4);
-    test_target_draw(&target, context, &view, &scene, 0);
+    test_target_draw(&target, contexts, &view, &scene, 0);
     for (int row = 0; row < 4; row++)
         for (int column = 0; column < 8; column++)
             test_check((target.ids[row * 8 + column] == 0) == (example->rows[row][column] == '#'),
@@ -51,10 +51,10 @@ TEST(top_left_rule_by_hand) {
         {{0.5f, 0.5f, 0.5f, 4.5f, 2.5f, 0.5f, 6.5f, 3.5f, 0.5f},
          {"........", "........", "........", "........"}},
     };
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     for (size_t i = 0; i < sizeof examples / sizeof *examples; i++)
-        check_hand_example(context, &examples[i]);
-    shb_context_destroy(context);
+        check_hand_example(contexts, &examples[i]);
+    test_contexts_destroy(contexts);
 }
 
 static bool covers_as_oracle(const test_target *target, const oracle_triangle *triangle) {
@@ -80,7 +80,7 @@ static void random_corners(test_random *random, double spread, double step, floa
 static void check_against_oracle(double spread, double step, int count) {
     test_random random = {(uint64_t)(spread * 1000 + step * 10)};
     const shb_view view = test_pixel_view(32, 32);
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(32, 32);
     for (int i = 0; i < count; i++) {
         float corners[9];
@@ -88,13 +88,13 @@ static void check_against_oracle(double spread, double step, int count) {
         const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
         const shb_instance instance = {.mesh = &mesh};
         const shb_scene scene = {&instance, 1};
-        test_target_draw(&target, context, &view, &scene, 16);
+        test_target_draw(&target, contexts, &view, &scene, 16);
         const oracle_triangle triangle = oracle_project(&view, 32, 32, corners);
         CHECK(!triangle.needs_clipping);
         CHECK(covers_as_oracle(&target, &triangle));
     }
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 TEST(coverage_is_the_exact_top_left_rule_anywhere) {
@@ -122,13 +122,13 @@ static void check_covered_once(const test_target *target, float far_depth) {
     CHECK_INT(overlaps, 0);
 }
 
-static void check_grid_once(shb_context *context, uint32_t width, uint32_t height,
+static void check_grid_once(test_contexts *contexts, uint32_t width, uint32_t height,
                             const shb_mesh *mesh, uint32_t tile_size) {
     const shb_view view = test_pixel_view(width, height);
     const shb_instance instance = {.mesh = mesh};
     const shb_scene scene = {&instance, 1};
     test_target target = test_target_create(width, height);
-    test_target_draw(&target, context, &view, &scene, tile_size);
+    test_target_draw(&target, contexts, &view, &scene, tile_size);
     check_covered_once(&target, 1);
     test_target_destroy(&target);
 }
@@ -136,7 +136,7 @@ static void check_grid_once(shb_context *context, uint32_t width, uint32_t heigh
 TEST(meshes_cover_every_sample_once) {
     static const uint32_t sizes[][2] = {{1, 1}, {7, 3}, {64, 64}, {100, 37}, {300, 16}, {16384, 3}};
     test_random random = {1};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     for (int round = 0; round < 12; round++)
         for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
             const uint32_t width = sizes[i][0], height = sizes[i][1];
@@ -144,30 +144,30 @@ TEST(meshes_cover_every_sample_once) {
             const uint32_t rows = 1 + random_below(&random, 40);
             test_grid grid =
                 test_grid_create(&random, columns, rows, -1, -1, width + 1, height + 1);
-            check_grid_once(context, width, height, &grid.mesh, 16u << random_below(&random, 6));
+            check_grid_once(contexts, width, height, &grid.mesh, 16u << random_below(&random, 6));
             test_grid_destroy(&grid);
         }
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 TEST(fans_cover_every_sample_once) {
     test_random random = {2};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     for (uint32_t count = 4; count <= 4096; count *= 4) {
         test_grid fan = test_grid_create_fan(&random, count, 32, 24, 40, 30);
-        check_grid_once(context, 64, 48, &fan.mesh, 16);
+        check_grid_once(contexts, 64, 48, &fan.mesh, 16);
         test_grid_destroy(&fan);
         fan = test_grid_create_fan(&random, count, 2000, -1000, 9000, 7000);
-        check_grid_once(context, 64, 48, &fan.mesh, 16);
+        check_grid_once(contexts, 64, 48, &fan.mesh, 16);
         test_grid_destroy(&fan);
     }
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 TEST(meshes_with_corners_on_samples_cover_once) {
     /* Unit cells whose corners are sample centres: every sample is a corner of eight triangles. */
     test_random random = {3};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     for (int round = 0; round < 20; round++) {
         test_grid grid = test_grid_create(&random, 40, 40, -4, -4, 36, 36);
         for (uint32_t i = 0; i < grid.mesh.vertex_count; i++)
@@ -176,15 +176,15 @@ TEST(meshes_with_corners_on_samples_cover_once) {
                 const uint32_t cell = axis ? i / 41 : i % 41;
                 grid.positions[at] = (float)cell - 3.5f;
             }
-        check_grid_once(context, 32, 32, &grid.mesh, 16);
+        check_grid_once(contexts, 32, 32, &grid.mesh, 16);
         test_grid_destroy(&grid);
     }
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 TEST(a_tilted_mesh_covers_every_sample_once_in_perspective) {
     test_random random = {4};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(120, 90);
     for (int round = 0; round < 10; round++) {
         const bool reversed = round % 2;
@@ -197,11 +197,11 @@ TEST(a_tilted_mesh_covers_every_sample_once_in_perspective) {
         test_grid_flatten(&grid, 0);
         const shb_instance instance = {.mesh = &grid.mesh};
         const shb_scene scene = {&instance, 1};
-        const shb_draw_stats stats = test_target_draw(&target, context, &view, &scene, 32);
+        const shb_draw_stats stats = test_target_draw(&target, contexts, &view, &scene, 32);
         CHECK_INT(stats.clipped, 0);
         check_covered_once(&target, reversed ? 0 : 1);
         test_grid_destroy(&grid);
     }
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }

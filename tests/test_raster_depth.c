@@ -58,7 +58,7 @@ static void check_sample(const test_target *target, const oracle_triangle *trian
     check_bound(triangle, column, row, stored, seen);
 }
 
-static void check_triangle(shb_context *context, const test_target *target, const shb_view *view,
+static void check_triangle(test_contexts *contexts, const test_target *target, const shb_view *view,
                            const float corners[9], seen_samples *seen) {
     const oracle_triangle triangle = oracle_project(view, WIDTH, HEIGHT, corners);
     if (triangle.needs_clipping)
@@ -66,7 +66,7 @@ static void check_triangle(shb_context *context, const test_target *target, cons
     const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
     const shb_instance instance = {.mesh = &mesh};
     const shb_scene scene = {&instance, 1};
-    test_target_draw(target, context, view, &scene, 16);
+    test_target_draw(target, contexts, view, &scene, 16);
     for (int row = 0; row < HEIGHT; row++)
         for (int column = 0; column < WIDTH; column++)
             check_sample(target, &triangle, view->reversed, column, row, seen);
@@ -76,16 +76,16 @@ typedef void corner_maker(test_random *random, float corners[9]);
 
 static seen_samples check_triangles(const shb_view *view, corner_maker *make, int count) {
     test_random random = {(uint64_t)count};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(WIDTH, HEIGHT);
     seen_samples seen = {0};
     for (int i = 0; i < count; i++) {
         float corners[9];
         make(&random, corners);
-        check_triangle(context, &target, view, corners, &seen);
+        check_triangle(contexts, &target, view, corners, &seen);
     }
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
     return seen;
 }
 
@@ -212,7 +212,7 @@ static void check_stays_in_range(const test_target *target, const float corners[
 static unsigned draw_slivers(corner_maker *make, int count) {
     const shb_view view = test_pixel_view(WIDTH, HEIGHT);
     test_random random = {7};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(WIDTH, HEIGHT);
     unsigned samples = 0;
     for (int i = 0; i < count; i++) {
@@ -221,11 +221,11 @@ static unsigned draw_slivers(corner_maker *make, int count) {
         const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
         const shb_instance instance = {.mesh = &mesh};
         const shb_scene scene = {&instance, 1};
-        test_target_draw(&target, context, &view, &scene, 0);
+        test_target_draw(&target, contexts, &view, &scene, 0);
         check_stays_in_range(&target, corners, &samples);
     }
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
     return samples;
 }
 
@@ -246,7 +246,7 @@ TEST(slivers_have_the_declared_depth) {
 TEST(collinear_corners_that_snapping_opens_have_their_mean_depth) {
     const shb_view view = test_pixel_view(WIDTH, HEIGHT);
     test_random random = {8};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(WIDTH, HEIGHT);
     unsigned samples = 0;
     for (int i = 0; i < 1000; i++) {
@@ -255,7 +255,7 @@ TEST(collinear_corners_that_snapping_opens_have_their_mean_depth) {
         const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
         const shb_instance instance = {.mesh = &mesh};
         const shb_scene scene = {&instance, 1};
-        test_target_draw(&target, context, &view, &scene, 0);
+        test_target_draw(&target, contexts, &view, &scene, 0);
         const double mean = ((double)corners[2] + (double)corners[5] + (double)corners[8]) / 3;
         for (int at = 0; at < WIDTH * HEIGHT; at++)
             if (target.ids[at] == 0) {
@@ -265,7 +265,7 @@ TEST(collinear_corners_that_snapping_opens_have_their_mean_depth) {
     }
     CHECK(samples > 100);
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 static void make_world(test_random *random, float corners[9]) {
@@ -306,14 +306,14 @@ TEST(depth_of_hand_examples) {
     const shb_instance instance = {.mesh = &mesh};
     const shb_scene scene = {&instance, 1};
     const shb_view view = test_pixel_view(16, 16);
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(16, 16);
-    test_target_draw(&target, context, &view, &scene, 0);
+    test_target_draw(&target, contexts, &view, &scene, 0);
     for (int row = 0; row < 16; row++)
         for (int column = 0; column < 16; column++)
             CHECK(target.depth[row * 16 + column] == 0.25f + ((float)column + 0.5f) / 64);
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 /* One triangle over the whole target at this depth. */
@@ -324,12 +324,12 @@ static float depth_of_flat(float z, bool reversed) {
     const shb_scene scene = {&instance, 1};
     shb_view view = test_pixel_view(4, 4);
     view.reversed = reversed;
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(4, 4);
-    test_target_draw(&target, context, &view, &scene, 0);
+    test_target_draw(&target, contexts, &view, &scene, 0);
     const float depth = target.ids[5] == 0 ? target.depth[5] : -1;
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
     return depth;
 }
 

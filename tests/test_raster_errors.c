@@ -123,7 +123,8 @@ TEST(wrong_scenes_are_refused) {
 
 TEST(null_pointers_are_refused) {
     drawing *d = make_drawing();
-    shb_context *context = test_context(1);
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
     CHECK_INT(shb_draw(NULL, &d->desc, NULL), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_draw(context, NULL, NULL), SHB_ERROR_ARGUMENT);
     CHECK(is_untouched(&d->target));
@@ -140,65 +141,70 @@ static void make_busy(drawing *d, shb_instance instances[2]) {
     d->desc.tile_size = 16;
 }
 
-TEST(out_of_memory_anywhere_leaves_images_untouched_and_nothing_leaks) {
-    drawing *d = make_drawing();
-    shb_instance instances[2];
-    make_busy(d, instances);
-    size_t fail_at = 1, refused = 0;
-    for (;; fail_at++) {
-        test_allocator state = {0};
-        shb_context *context = NULL;
-        CHECK_INT(shb_context_create(
-                      &(shb_context_desc){.threads = 1, .allocator = test_allocator_hooks(&state)},
-                      &context),
-                  SHB_OK);
-        state.fail_at = state.calls + fail_at;
-        const shb_result result = shb_draw(context, &d->desc, NULL);
-        const bool is_last = result == SHB_OK;
-        if (!is_last) {
-            CHECK_INT(result, SHB_ERROR_MEMORY);
-            CHECK(is_untouched(&d->target));
-            refused++;
-            /* The context is not spoiled. */
-            state.fail_at = 0;
-            uint32_t id = 7;
-            shb_draw_desc one = d->desc;
-            one.width = one.height = 1;
-            one.depth.texels = one.second.texels = NULL;
-            one.ids = &id;
-            CHECK_INT(shb_draw(context, &one, NULL), SHB_OK);
-            CHECK_INT(id, 0);
-        }
-        shb_context_destroy(context);
-        CHECK_INT(state.live, 0);
-        if (is_last)
-            break;
+/* A context whose memory the state counts. */
+static shb_context *create_counted(test_allocator *state, shb_isa isa, uint32_t threads) {
+    shb_context *context = NULL;
+    const shb_context_desc desc = {
+        .threads = threads, .max_isa = isa, .allocator = test_allocator_hooks(state)};
+    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+    return context;
+}
+
+/* Draws with the allocation of this number failing; true if it was never reached. */
+static bool draw_without_memory(drawing *d, shb_isa isa, size_t fail_at) {
+    test_allocator state = {0};
+    shb_context *context = create_counted(&state, isa, 1);
+    state.fail_at = state.calls + fail_at;
+    const shb_result result = shb_draw(context, &d->desc, NULL);
+    if (result) {
+        CHECK_INT(result, SHB_ERROR_MEMORY);
+        CHECK(is_untouched(&d->target));
+        /* The context is not spoiled. */
+        state.fail_at = 0;
+        uint32_t id = 7;
+        shb_draw_desc one = d->desc;
+        one.width = one.height = 1;
+        one.depth.texels = one.second.texels = NULL;
+        one.ids = &id;
+        CHECK_INT(shb_draw(context, &one, NULL), SHB_OK);
+        CHECK_INT(id, 0);
     }
-    CHECK(refused >= 5);
-    free_drawing(d);
+    shb_context_destroy(context);
+    CHECK_INT(state.live, 0);
+    return result == SHB_OK;
+}
+
+TEST(out_of_memory_anywhere_leaves_images_untouched_and_nothing_leaks) {
+    for (int best = 0; best < 2; best++) {
+        drawing *d = make_drawing();
+        shb_instance instances[2];
+        make_busy(d, instances);
+        size_t fail_at = 1;
+        while (!draw_without_memory(d, best ? SHB_ISA_BEST : SHB_ISA_SCALAR, fail_at))
+            fail_at++;
+        CHECK(fail_at > 5);
+        free_drawing(d);
+    }
 }
 
 TEST(a_warm_context_allocates_nothing) {
-    drawing *d = make_drawing();
-    shb_instance instances[2];
-    make_busy(d, instances);
-    test_allocator state = {0};
-    shb_context *context = NULL;
-    CHECK_INT(
-        shb_context_create(
-            &(shb_context_desc){.threads = 2, .allocator = test_allocator_hooks(&state)}, &context),
-        SHB_OK);
-    CHECK_INT(shb_draw(context, &d->desc, NULL), SHB_OK);
-    const size_t warm = state.calls;
-    CHECK(warm > 1);
-    CHECK_INT(shb_draw(context, &d->desc, NULL), SHB_OK);
-    d->desc.second.texels = NULL;
-    d->desc.tile_size = 16;
-    d->scene.instance_count = 1;
-    CHECK_INT(shb_draw(context, &d->desc, NULL), SHB_OK);
-    CHECK_INT(state.calls, warm);
-    shb_context_destroy(context);
-    free_drawing(d);
+    for (int best = 0; best < 2; best++) {
+        drawing *d = make_drawing();
+        shb_instance instances[2];
+        make_busy(d, instances);
+        test_allocator state = {0};
+        shb_context *context = create_counted(&state, best ? SHB_ISA_BEST : SHB_ISA_SCALAR, 2);
+        CHECK_INT(shb_draw(context, &d->desc, NULL), SHB_OK);
+        const size_t warm = state.calls;
+        CHECK(warm > 1);
+        CHECK_INT(shb_draw(context, &d->desc, NULL), SHB_OK);
+        d->desc.second.texels = NULL;
+        d->scene.instance_count = 1;
+        CHECK_INT(shb_draw(context, &d->desc, NULL), SHB_OK);
+        CHECK_INT(state.calls, warm);
+        shb_context_destroy(context);
+        free_drawing(d);
+    }
 }
 
 /* A host's memory cannot hold this many transformed vertices: refused, not attempted. */

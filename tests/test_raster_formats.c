@@ -31,14 +31,14 @@ static uint32_t store_flat(float z, shb_format format, bool reversed) {
     shb_view view = test_pixel_view(2, 2);
     view.reversed = reversed;
     uint32_t texels[4] = {0};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     const shb_draw_desc desc = {.view = &view,
                                 .scene = &scene,
                                 .width = 2,
                                 .height = 2,
                                 .depth = {.texels = texels, .format = format}};
-    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
-    shb_context_destroy(context);
+    CHECK_INT(shb_draw(contexts->best, &desc, NULL), SHB_OK);
+    test_contexts_destroy(contexts);
     uint16_t first;
     memcpy(&first, texels, sizeof first);
     return format == SHB_FORMAT_UNORM16 ? first : texels[0];
@@ -86,14 +86,14 @@ static void check_formats(const shb_view *view, const shb_scene *scene) {
     float floats[SAMPLES], second[SAMPLES];
     uint32_t unorm24[SAMPLES];
     uint16_t unorm16[SAMPLES];
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     shb_draw_desc desc = {.view = view,
                           .scene = scene,
                           .width = WIDTH,
                           .height = HEIGHT,
                           .depth = {floats, 0, SHB_FORMAT_FLOAT32},
                           .second = {second, 0, SHB_FORMAT_FLOAT32}};
-    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+    CHECK_INT(shb_draw(contexts->best, &desc, NULL), SHB_OK);
     /* The two layers in two formats, then the other way round. */
     for (int round = 0; round < 2; round++) {
         desc.depth = (shb_depth_image){unorm24, 0, SHB_FORMAT_UNORM24};
@@ -103,7 +103,7 @@ static void check_formats(const shb_view *view, const shb_scene *scene) {
             desc.depth = desc.second;
             desc.second = first;
         }
-        CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+        CHECK_INT(shb_draw(contexts->best, &desc, NULL), SHB_OK);
         for (int i = 0; i < SAMPLES; i++) {
             CHECK(
                 is_rounded_away(unorm24[i], round ? second[i] : floats[i], MAX24, view->reversed));
@@ -111,7 +111,7 @@ static void check_formats(const shb_view *view, const shb_scene *scene) {
                 is_rounded_away(unorm16[i], round ? floats[i] : second[i], MAX16, view->reversed));
         }
     }
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 TEST(unorm_layers_are_the_float_layers_rounded_away_from_the_viewer) {
@@ -145,7 +145,7 @@ TEST(padding_between_rows_is_not_written) {
     const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
     const shb_instance instance = {.mesh = &mesh};
     const shb_scene scene = {&instance, 1};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     const shb_draw_desc desc = {
         .view = &view,
         .scene = &scene,
@@ -156,7 +156,7 @@ TEST(padding_between_rows_is_not_written) {
         .ids = ids,
         .id_stride = sizeof(uint32_t) * ID_ROW,
         .tile_size = 16};
-    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+    CHECK_INT(shb_draw(contexts->best, &desc, NULL), SHB_OK);
     uint32_t padding;
     memset(&padding, 0xa5, sizeof padding);
     for (int row = 0; row < HEIGHT; row++) {
@@ -168,7 +168,7 @@ TEST(padding_between_rows_is_not_written) {
         for (int i = 0; i < ID_ROW; i++)
             CHECK_INT(ids[row * ID_ROW + i], i < WIDTH ? 0 : padding);
     }
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 /* Any subset of the images gives the same texels as all of them. */
@@ -184,16 +184,16 @@ TEST(images_that_are_not_wanted_change_nothing) {
     const shb_instance instance = {.mesh = &mesh};
     const shb_scene scene = {&instance, 1};
     const shb_view view = test_pixel_view(WIDTH, HEIGHT);
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target all = test_target_create(WIDTH, HEIGHT);
-    test_target_draw(&all, context, &view, &scene, 16);
+    test_target_draw(&all, contexts, &view, &scene, 16);
     for (int wanted = 0; wanted < 8; wanted++) {
         test_target some = test_target_create(WIDTH, HEIGHT);
         shb_draw_desc desc = test_target_desc(&some, &view, &scene);
         desc.depth.texels = wanted & 1 ? some.depth : NULL;
         desc.second.texels = wanted & 2 ? some.second : NULL;
         desc.ids = wanted & 4 ? some.ids : NULL;
-        CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+        CHECK_INT(shb_draw(contexts->best, &desc, NULL), SHB_OK);
         const size_t bytes = SAMPLES * 4;
         CHECK((memcmp(some.depth, all.depth, bytes) == 0) == ((wanted & 1) != 0));
         CHECK((memcmp(some.second, all.second, bytes) == 0) == ((wanted & 2) != 0));
@@ -201,5 +201,5 @@ TEST(images_that_are_not_wanted_change_nothing) {
         test_target_destroy(&some);
     }
     test_target_destroy(&all);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }

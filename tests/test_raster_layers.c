@@ -12,8 +12,8 @@
 
 /* Draws every triangle of the mesh alone and merges the depths by the definition: the two smallest
  * pairs of (depth, id). Depths are canonical within. */
-static void merge_single_triangles(shb_context *context, const shb_view *view, const shb_mesh *mesh,
-                                   const test_target *merged) {
+static void merge_single_triangles(test_contexts *contexts, const shb_view *view,
+                                   const shb_mesh *mesh, const test_target *merged) {
     const float empty = view->reversed ? 0 : 1, sign = view->reversed ? -1 : 1;
     test_target single = test_target_create(WIDTH, HEIGHT);
     for (int at = 0; at < SAMPLES; at++) {
@@ -26,7 +26,7 @@ static void merge_single_triangles(shb_context *context, const shb_view *view, c
         part.indices = (const uint32_t *)mesh->indices + (size_t)3 * id;
         const shb_instance instance = {.mesh = &part};
         const shb_scene scene = {&instance, 1};
-        test_target_draw(&single, context, view, &scene, 0);
+        test_target_draw(&single, contexts, view, &scene, 0);
         for (int at = 0; at < SAMPLES; at++) {
             if (single.ids[at] != 0)
                 continue;
@@ -47,11 +47,11 @@ static void merge_single_triangles(shb_context *context, const shb_view *view, c
 static void check_layers(const shb_view *view, const shb_mesh *mesh) {
     const shb_instance instance = {.mesh = mesh};
     const shb_scene scene = {&instance, 1};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(WIDTH, HEIGHT);
     test_target merged = test_target_create(WIDTH, HEIGHT);
-    merge_single_triangles(context, view, mesh, &merged);
-    test_target_draw(&target, context, view, &scene, 16);
+    merge_single_triangles(contexts, view, mesh, &merged);
+    test_target_draw(&target, contexts, view, &scene, 16);
     CHECK(test_target_equal(&target, &merged));
     unsigned seconds = 0;
     for (int at = 0; at < SAMPLES; at++)
@@ -59,7 +59,7 @@ static void check_layers(const shb_view *view, const shb_mesh *mesh) {
     CHECK(seconds > SAMPLES / 4);
     test_target_destroy(&merged);
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 /* Triangles over the vertices, some of them twice, some with their corners in another order. */
@@ -136,14 +136,14 @@ static void draw_stack(const float *depths, uint32_t count, bool reversed, float
     const shb_scene scene = {&instance, 1};
     shb_view view = test_pixel_view(WIDTH, HEIGHT);
     view.reversed = reversed;
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(WIDTH, HEIGHT);
-    test_target_draw(&target, context, &view, &scene, 0);
+    test_target_draw(&target, contexts, &view, &scene, 0);
     *nearest = target.depth[SAMPLES / 2];
     *second = target.second[SAMPLES / 2];
     *id = target.ids[SAMPLES / 2];
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 static void check_stack(const float *depths, uint32_t count, bool reversed, float nearest,
@@ -169,12 +169,12 @@ TEST(equal_depth_keeps_the_lower_id_and_counts_as_second) {
 
 TEST(an_empty_scene_is_far_and_without_ids) {
     const shb_scene scene = {NULL, 0};
-    shb_context *context = test_context(2);
+    test_contexts *contexts = test_contexts_create(2);
     test_target target = test_target_create(WIDTH, HEIGHT);
     for (int reversed = 0; reversed < 2; reversed++) {
         shb_view view = test_pixel_view(WIDTH, HEIGHT);
         view.reversed = reversed;
-        const shb_draw_stats stats = test_target_draw(&target, context, &view, &scene, 16);
+        const shb_draw_stats stats = test_target_draw(&target, contexts, &view, &scene, 16);
         CHECK(stats.triangles == 0 && stats.culled == 0 && stats.drawn == 0);
         for (int at = 0; at < SAMPLES; at++) {
             CHECK(target.depth[at] == (reversed ? 0.0f : 1.0f) && !signbit(target.depth[at]));
@@ -183,5 +183,5 @@ TEST(an_empty_scene_is_far_and_without_ids) {
         }
     }
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }

@@ -17,7 +17,7 @@ static shb_view plain_view(bool reversed) {
 }
 
 /* True if the triangle over the whole target is drawn. */
-static bool is_drawn(shb_context *context, shb_cull cull, shb_mat4 transform, bool flip,
+static bool is_drawn(test_contexts *contexts, shb_cull cull, shb_mat4 transform, bool flip,
                      bool reversed) {
     const shb_mesh mesh = {.positions = front_corners, .vertex_count = 3, .triangle_count = 1};
     const shb_instance instance = {.mesh = &mesh, .world_from_mesh = transform, .cull = cull};
@@ -31,7 +31,7 @@ static bool is_drawn(shb_context *context, shb_cull cull, shb_mat4 transform, bo
                           .ids = ids,
                           .flip_culling = flip};
     shb_draw_stats stats;
-    CHECK_INT(shb_draw(context, &desc, &stats), SHB_OK);
+    CHECK_INT(shb_draw(contexts->best, &desc, &stats), SHB_OK);
     CHECK_INT(stats.drawn + stats.culled, 1);
     CHECK((ids[SAMPLES / 2 + 3] == 0) == (stats.drawn == 1));
     return stats.drawn == 1;
@@ -51,19 +51,19 @@ TEST(culling_follows_faces_mirrors_and_flips) {
         const shb_mat4 *transform;
         bool is_front;
     } cases[] = {{&same, true}, {&turned, false}, {&mirrored, true}, {&inverted, false}};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         for (int reversed = 0; reversed < 2; reversed++) {
             const shb_mat4 m = *cases[i].transform;
             const bool front = cases[i].is_front;
-            CHECK(is_drawn(context, SHB_CULL_NONE, m, false, reversed));
-            CHECK(is_drawn(context, SHB_CULL_NONE, m, true, reversed));
-            CHECK(is_drawn(context, SHB_CULL_BACK, m, false, reversed) == front);
-            CHECK(is_drawn(context, SHB_CULL_BACK, m, true, reversed) == !front);
-            CHECK(is_drawn(context, SHB_CULL_FRONT, m, false, reversed) == !front);
-            CHECK(is_drawn(context, SHB_CULL_FRONT, m, true, reversed) == front);
+            CHECK(is_drawn(contexts, SHB_CULL_NONE, m, false, reversed));
+            CHECK(is_drawn(contexts, SHB_CULL_NONE, m, true, reversed));
+            CHECK(is_drawn(contexts, SHB_CULL_BACK, m, false, reversed) == front);
+            CHECK(is_drawn(contexts, SHB_CULL_BACK, m, true, reversed) == !front);
+            CHECK(is_drawn(contexts, SHB_CULL_FRONT, m, false, reversed) == !front);
+            CHECK(is_drawn(contexts, SHB_CULL_FRONT, m, true, reversed) == front);
         }
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 /* A box around the eye, wound outwards: culling back faces shows nothing, front faces everything.
@@ -81,7 +81,7 @@ TEST(a_clipped_box_around_the_eye_has_only_back_faces) {
                            .triangle_count = 12};
     shb_instance instance = {.mesh = &mesh, .cull = SHB_CULL_BACK};
     const shb_scene scene = {&instance, 1};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(WIDTH, HEIGHT);
     for (int turn = 0; turn < 8; turn++) {
         shb_view view;
@@ -90,14 +90,14 @@ TEST(a_clipped_box_around_the_eye_has_only_back_faces) {
                                        (shb_vec3){0, 1, 0}, 1.5, 2, 0.1, 10, false, &view),
                   SHB_OK);
         instance.cull = SHB_CULL_BACK;
-        CHECK_INT(test_target_draw(&target, context, &view, &scene, 0).drawn, 0);
+        CHECK_INT(test_target_draw(&target, contexts, &view, &scene, 0).drawn, 0);
         instance.cull = SHB_CULL_FRONT;
-        CHECK(test_target_draw(&target, context, &view, &scene, 0).clipped > 0);
+        CHECK(test_target_draw(&target, contexts, &view, &scene, 0).clipped > 0);
         for (int at = 0; at < SAMPLES; at++)
             CHECK(target.ids[at] != SHB_ID_NONE && target.second[at] == 1);
     }
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 enum { VERTICES = 60, TRIANGLES = 90 };
@@ -126,11 +126,11 @@ static void make_forms(mesh_forms *forms) {
     }
 }
 
-static void draw_mesh(shb_context *context, const shb_mesh *mesh, const test_target *target) {
+static void draw_mesh(test_contexts *contexts, const shb_mesh *mesh, const test_target *target) {
     const shb_view view = plain_view(false);
     const shb_instance instance = {.mesh = mesh};
     const shb_scene scene = {&instance, 1};
-    test_target_draw(target, context, &view, &scene, 16);
+    test_target_draw(target, contexts, &view, &scene, 16);
 }
 
 TEST(indices_and_strides_of_every_kind_draw_the_same) {
@@ -149,17 +149,17 @@ TEST(indices_and_strides_of_every_kind_draw_the_same) {
     others[2].position_stride = 5 * sizeof(float);
     others[3] = (shb_mesh){
         .positions = forms.unindexed, .vertex_count = 3 * TRIANGLES, .triangle_count = TRIANGLES};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target expected = test_target_create(WIDTH, HEIGHT);
-    draw_mesh(context, &plain, &expected);
+    draw_mesh(contexts, &plain, &expected);
     for (int i = 0; i < 4; i++) {
         test_target target = test_target_create(WIDTH, HEIGHT);
-        draw_mesh(context, &others[i], &target);
+        draw_mesh(contexts, &others[i], &target);
         CHECK(test_target_equal(&target, &expected));
         test_target_destroy(&target);
     }
     test_target_destroy(&expected);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 TEST(ids_count_through_the_instances) {
@@ -182,15 +182,15 @@ TEST(ids_count_through_the_instances) {
     }
     const shb_scene scene = {instances, count};
     const shb_view view = plain_view(false);
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(WIDTH, HEIGHT);
-    const shb_draw_stats stats = test_target_draw(&target, context, &view, &scene, 16);
+    const shb_draw_stats stats = test_target_draw(&target, contexts, &view, &scene, 16);
     CHECK_INT(stats.triangles, 8);
     CHECK_INT(stats.drawn, 8);
     for (int at = 0; at < SAMPLES; at++)
         CHECK_INT(target.ids[at] / 2, at % WIDTH / 8);
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 /* More vertices and triangles than one task takes, in many instances. */
@@ -214,16 +214,16 @@ TEST(a_large_scene_keeps_its_ids_across_tasks) {
             .mesh = &mesh, .world_from_mesh = shb_mat4_translation(0, 0, k == 1 ? -0.1 : 0)};
     const shb_scene scene = {instances, INSTANCES};
     const shb_view view = test_pixel_view(WIDTH, HEIGHT);
-    shb_context *context = test_context(2);
+    test_contexts *contexts = test_contexts_create(2);
     test_target target = test_target_create(WIDTH, HEIGHT);
-    CHECK_INT(test_target_draw(&target, context, &view, &scene, 16).drawn, INSTANCES * CELLS);
+    CHECK_INT(test_target_draw(&target, contexts, &view, &scene, 16).drawn, INSTANCES * CELLS);
     for (int at = 0; at < SAMPLES; at++) {
         /* Later ones are nearer; instance 1 is nearest. */
         const int last = at + (CELLS - 1 - at) / SAMPLES * SAMPLES;
         CHECK_INT(target.ids[at], CELLS + last);
     }
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
 }
 
 static shb_draw_stats stats_of(const float *corners, uint32_t count, const shb_view *view) {
@@ -231,11 +231,11 @@ static shb_draw_stats stats_of(const float *corners, uint32_t count, const shb_v
         .positions = corners, .vertex_count = 3 * count, .triangle_count = count};
     const shb_instance instance = {.mesh = &mesh, .cull = SHB_CULL_BACK};
     const shb_scene scene = {&instance, 1};
-    shb_context *context = test_context(1);
+    test_contexts *contexts = test_contexts_create(1);
     test_target target = test_target_create(WIDTH, HEIGHT);
-    const shb_draw_stats stats = test_target_draw(&target, context, view, &scene, 0);
+    const shb_draw_stats stats = test_target_draw(&target, contexts, view, &scene, 0);
     test_target_destroy(&target);
-    shb_context_destroy(context);
+    test_contexts_destroy(contexts);
     return stats;
 }
 

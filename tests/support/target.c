@@ -5,6 +5,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+test_contexts *test_contexts_create(uint32_t threads) {
+    test_contexts *contexts = calloc(1, sizeof *contexts);
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = threads, .max_isa = SHB_ISA_SCALAR},
+                                 &contexts->scalar),
+              SHB_OK);
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = threads}, &contexts->best), SHB_OK);
+    return contexts;
+}
+
+void test_contexts_destroy(test_contexts *contexts) {
+    shb_context_destroy(contexts->scalar);
+    shb_context_destroy(contexts->best);
+    free(contexts);
+}
+
 test_target test_target_create(uint32_t width, uint32_t height) {
     const size_t count = (size_t)width * height;
     test_target target = {width, height, malloc(count * 4), malloc(count * 4), malloc(count * 4)};
@@ -39,12 +54,23 @@ shb_draw_desc test_target_desc(const test_target *target, const shb_view *view,
     };
 }
 
-shb_draw_stats test_target_draw(const test_target *target, shb_context *context,
+static shb_draw_stats draw_with(const test_target *target, shb_context *context,
                                 const shb_view *view, const shb_scene *scene, uint32_t tile_size) {
     shb_draw_desc desc = test_target_desc(target, view, scene);
     desc.tile_size = tile_size;
     shb_draw_stats stats = {0};
     CHECK_INT(shb_draw(context, &desc, &stats), SHB_OK);
+    return stats;
+}
+
+shb_draw_stats test_target_draw(const test_target *target, const test_contexts *contexts,
+                                const shb_view *view, const shb_scene *scene, uint32_t tile_size) {
+    test_target reference = test_target_create(target->width, target->height);
+    const shb_draw_stats expected = draw_with(&reference, contexts->scalar, view, scene, 0);
+    const shb_draw_stats stats = draw_with(target, contexts->best, view, scene, tile_size);
+    CHECK(test_target_equal(target, &reference));
+    CHECK(memcmp(&stats, &expected, sizeof stats) == 0);
+    test_target_destroy(&reference);
     return stats;
 }
 
@@ -55,10 +81,4 @@ shb_view test_pixel_view(uint32_t width, uint32_t height) {
     view.clip_from_world.m[12] = -1;
     view.clip_from_world.m[13] = 1;
     return view;
-}
-
-shb_context *test_context(uint32_t threads) {
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = threads}, &context), SHB_OK);
-    return context;
 }

@@ -11,6 +11,16 @@ typedef struct test_target {
     uint32_t *ids;
 } test_target;
 
+/* The reference code, and what this processor offers. */
+typedef struct test_contexts {
+    shb_context *scalar;
+    shb_context *best;
+} test_contexts;
+
+test_contexts *test_contexts_create(uint32_t threads);
+void test_contexts_destroy(test_contexts *contexts);
+
+/* Filled with a pattern that no drawing gives. */
 test_target test_target_create(uint32_t width, uint32_t height);
 void test_target_destroy(test_target *target);
 
@@ -21,14 +31,11 @@ bool test_target_equal(const test_target *a, const test_target *b);
 shb_draw_desc test_target_desc(const test_target *target, const shb_view *view,
                                const shb_scene *scene);
 
-/* Draws into all three images and checks that it worked. */
-shb_draw_stats test_target_draw(const test_target *target, shb_context *context,
+/* Draws into all three images with both contexts and checks that it worked and that they agree. */
+shb_draw_stats test_target_draw(const test_target *target, const test_contexts *contexts,
                                 const shb_view *view, const shb_scene *scene, uint32_t tile_size);
 
 /* Mesh x and y are pixels, x right, y down; mesh z is depth. Exact for powers of two. */
 shb_view test_pixel_view(uint32_t width, uint32_t height);
-
-/* A context with this number of threads; destroy it with shb_context_destroy. */
-shb_context *test_context(uint32_t threads);
 
 #endif
