@@ -19,9 +19,8 @@ static edge edge_at(const shb_shape *shape, size_t a, size_t b, shb_samples box)
     const int64_t px = (int64_t)box.first_column * SHB_SUBPIXELS + SHB_SUBPIXELS / 2;
     const int64_t py = (int64_t)box.first_row * SHB_SUBPIXELS + SHB_SUBPIXELS / 2;
     const int64_t e = dx * (py - shape->snapped_y[a]) - dy * (px - shape->snapped_x[a]);
-    const bool is_top_left = dy < 0 || (dy == 0 && dx > 0);
-    return (edge){(e - (is_top_left ? 0 : 1)) >> 8, -dy, dx, shape->snapped_y[a],
-                  shape->snapped_y[b]};
+    const int64_t bias = dy < 0 ? 0 : -1;
+    return (edge){(e + bias) >> 8, -dy, dx, shape->snapped_y[a], shape->snapped_y[b]};
 }
 
 /* What the edge adds to the winding number of the sample i columns and j rows from the first one.

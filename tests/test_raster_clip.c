@@ -114,6 +114,32 @@ TEST(huge_triangles_are_cut_at_the_guard_band) {
     check_huge(1, 300, 1e6, 150);
 }
 
+/* A triangle with one corner far out on an axis. */
+static uint64_t clipped_by_corner(test_contexts *contexts, int axis, float pixels) {
+    float corners[9] = {10, 10, 0.5f, 20, 12, 0.5f, 12, 20, 0.5f};
+    corners[axis] = pixels;
+    const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
+    const shb_instance instance = {.mesh = &mesh};
+    const shb_scene scene = {&instance, 1};
+    const shb_view view = test_pixel_view(64, 32);
+    test_target target = test_target_create(64, 32);
+    const shb_draw_stats stats = test_target_draw(&target, contexts, &view, &scene, 0);
+    CHECK_INT(stats.drawn, 1);
+    test_target_destroy(&target);
+    return stats.clipped;
+}
+
+TEST(the_guard_band_ends_at_16384_pixels) {
+    test_contexts *contexts = test_contexts_create(1);
+    for (int axis = 0; axis < 2; axis++) {
+        CHECK_INT(clipped_by_corner(contexts, axis, 16384), 0);
+        CHECK_INT(clipped_by_corner(contexts, axis, -16384), 0);
+        CHECK_INT(clipped_by_corner(contexts, axis, 16384.5f), 1);
+        CHECK_INT(clipped_by_corner(contexts, axis, -16384.5f), 1);
+    }
+    test_contexts_destroy(contexts);
+}
+
 /* A level ground of one quad, the eye at height h looking along -z: a row at the slope s below the
  * horizon meets it at the distance w = h / s along the view, and depth follows from w alone. */
 static void check_ground(double far_distance, bool reversed) {

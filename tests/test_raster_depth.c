@@ -46,7 +46,7 @@ static void check_bound(const oracle_triangle *triangle, int column, int row, fl
 
 static void check_sample(const test_target *target, const oracle_triangle *triangle, bool reversed,
                          int column, int row, seen_samples *seen) {
-    const int at = row * WIDTH + column;
+    const uint32_t at = (uint32_t)row * target->width + (uint32_t)column;
     const float stored = reversed ? -target->depth[at] : target->depth[at];
     const float declared = oracle_stored(triangle, column, row);
     const bool is_seen = oracle_covers(triangle, column, row) && declared < (reversed ? 0 : 1);
@@ -60,24 +60,25 @@ static void check_sample(const test_target *target, const oracle_triangle *trian
 
 static void check_triangle(test_contexts *contexts, const test_target *target, const shb_view *view,
                            const float corners[9], seen_samples *seen) {
-    const oracle_triangle triangle = oracle_project(view, WIDTH, HEIGHT, corners);
+    const oracle_triangle triangle = oracle_project(view, target->width, target->height, corners);
     if (triangle.needs_clipping)
         return;
     const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
     const shb_instance instance = {.mesh = &mesh};
     const shb_scene scene = {&instance, 1};
     test_target_draw(target, contexts, view, &scene, 16);
-    for (int row = 0; row < HEIGHT; row++)
-        for (int column = 0; column < WIDTH; column++)
+    for (int row = 0; row < (int)target->height; row++)
+        for (int column = 0; column < (int)target->width; column++)
             check_sample(target, &triangle, view->reversed, column, row, seen);
 }
 
 typedef void corner_maker(test_random *random, float corners[9]);
 
-static seen_samples check_triangles(const shb_view *view, corner_maker *make, int count) {
+static seen_samples check_triangles_on(uint32_t width, uint32_t height, const shb_view *view,
+                                       corner_maker *make, int count) {
     test_random random = {(uint64_t)count};
     test_contexts *contexts = test_contexts_create(1);
-    test_target target = test_target_create(WIDTH, HEIGHT);
+    test_target target = test_target_create(width, height);
     seen_samples seen = {0};
     for (int i = 0; i < count; i++) {
         float corners[9];
@@ -87,6 +88,10 @@ static seen_samples check_triangles(const shb_view *view, corner_maker *make, in
     test_target_destroy(&target);
     test_contexts_destroy(contexts);
     return seen;
+}
+
+static seen_samples check_triangles(const shb_view *view, corner_maker *make, int count) {
+    return check_triangles_on(WIDTH, HEIGHT, view, make, count);
 }
 
 /* Pixels, around a centre on the target. */
@@ -110,6 +115,12 @@ static void make_steep(test_random *random, float corners[9]) {
 
 static void make_huge(test_random *random, float corners[9]) {
     put_corners(random, 10000, 0.5, 0.55, corners);
+}
+
+/* About the smallest depths that are still evaluated in float. */
+static void make_tiny(test_random *random, float corners[9]) {
+    const double z = exp2(random_double(random, -67, -61));
+    put_corners(random, 30, z, 1.1 * z, corners);
 }
 
 static void make_flat(test_random *random, float corners[9]) {
@@ -187,6 +198,13 @@ TEST(gentle_depth_is_within_five_units_of_the_plane) {
     CHECK(huge.plain > 20000);
     const seen_samples flat = check_triangles(&view, make_flat, 100);
     CHECK(flat.plain > 5000 && flat.careful < flat.plain / 10);
+}
+
+TEST(tiny_depth_has_the_declared_value) {
+    shb_view view = test_pixel_view(WIDTH, HEIGHT);
+    view.reversed = true;
+    const seen_samples seen = check_triangles(&view, make_tiny, 200);
+    CHECK(seen.plain > 5000 && seen.careful > 5000);
 }
 
 TEST(steep_depth_is_within_a_unit_of_the_plane) {
@@ -282,7 +300,7 @@ static void check_perspective(double far_distance, bool reversed) {
     CHECK_INT(shb_view_perspective((shb_vec3){0.1, 0.2, 0.3}, (shb_vec3){0, 0, -4},
                                    (shb_vec3){0, 1, 0}, 1, 1.2, 0.5, far_distance, reversed, &view),
               SHB_OK);
-    const seen_samples seen = check_triangles(&view, make_world, 400);
+    const seen_samples seen = check_triangles_on(50, 37, &view, make_world, 400);
     CHECK(seen.plain + seen.careful > 5000);
 }
 

@@ -167,6 +167,28 @@ TEST(equal_depth_keeps_the_lower_id_and_counts_as_second) {
     check_stack((float[]){0.5f, 0}, 2, true, 0.5f, 0, 0);
 }
 
+/* A flat triangle that the guard band cuts and one that it does not, at equal depth. */
+TEST(equal_depth_keeps_the_lower_id_of_cut_and_whole_triangles) {
+    const float cut[9] = {-1, -1, 0.5f, 1e6f, -1, 0.5f, -1, 1e6f, 0.5f};
+    const float whole[9] = {-1, -1, 0.5f, 200, -1, 0.5f, -1, 200, 0.5f};
+    const shb_view view = test_pixel_view(WIDTH, HEIGHT);
+    test_contexts *contexts = test_contexts_create(1);
+    test_target target = test_target_create(WIDTH, HEIGHT);
+    for (int order = 0; order < 2; order++) {
+        float corners[18];
+        memcpy(corners, order ? whole : cut, sizeof cut);
+        memcpy(corners + 9, order ? cut : whole, sizeof whole);
+        const shb_mesh mesh = {.positions = corners, .vertex_count = 6, .triangle_count = 2};
+        const shb_instance instance = {.mesh = &mesh};
+        const shb_scene scene = {&instance, 1};
+        CHECK_INT(test_target_draw(&target, contexts, &view, &scene, 0).clipped, 1);
+        for (int at = 0; at < SAMPLES; at++)
+            CHECK(target.ids[at] == 0 && target.depth[at] == 0.5f && target.second[at] == 0.5f);
+    }
+    test_target_destroy(&target);
+    test_contexts_destroy(contexts);
+}
+
 TEST(an_empty_scene_is_far_and_without_ids) {
     const shb_scene scene = {NULL, 0};
     test_contexts *contexts = test_contexts_create(2);
