@@ -3,6 +3,7 @@
 #include "map.h"
 
 #include "format.h"
+#include "occluders.h"
 #include "project.h"
 
 #include <float.h>
@@ -68,6 +69,9 @@ static shb_result check_desc(const shb_context *context, const char *caller,
         return shb_fail(context, SHB_ERROR_NUMBER,
                         "%s: desc.scene_scale %g is negative or not finite", caller,
                         desc->scene_scale);
+    if (desc->occluders > SHB_OCCLUDERS_LISTS)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: desc.occluders %d is unknown", caller,
+                        (int)desc->occluders);
     return SHB_OK;
 }
 
@@ -80,7 +84,8 @@ static shb_result make_map(shb_context *context, const char *caller, const shb_m
                              .width = desc->width,
                              .height = desc->height ? desc->height : desc->width,
                              .format = desc->format,
-                             .scene_scale = desc->scene_scale},
+                             .scene_scale = desc->scene_scale,
+                             .occluders = desc->occluders},
                     .depth = {.format = desc->format}};
     if (shb_mat4_inverse(desc->view.clip_from_world, world_from_clip) != SHB_OK ||
         shb_view_light_source(&desc->view, &made.info.light) != SHB_OK)
@@ -132,8 +137,8 @@ shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_ma
     made->depth.stride = padded_stride(made->info.width, shb_format_size(desc->format));
     made->info.memory_bytes = made->depth.stride * made->info.height;
     made->depth.texels = shb_alloc(context, made->info.height, made->depth.stride);
-    if (!made->depth.texels) {
-        shb_free(context, made);
+    if (!made->depth.texels || !shb_occluders_create(made)) {
+        shb_map_destroy(made);
         return shb_fail(context, SHB_ERROR_MEMORY,
                         "shb_map_create: no memory for desc.width %u by desc.height %u texels",
                         (unsigned)desc->width, (unsigned)desc->height);
@@ -171,6 +176,10 @@ shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const vo
     shb_result result = check_desc(context, "shb_map_wrap", desc);
     if (result == SHB_OK)
         result = check_texels(context, desc, texels, stride);
+    if (result == SHB_OK && desc->occluders)
+        result = shb_fail(context, SHB_ERROR_UNSUPPORTED,
+                          "shb_map_wrap: desc.occluders %d cannot be known of a host's depths",
+                          (int)desc->occluders);
     shb_map *made;
     shb_mat4 world_from_clip;
     if (result == SHB_OK)
@@ -202,6 +211,7 @@ void shb_map_destroy(shb_map *map) {
         return;
     if (map->owned)
         shb_free(map->context, map->depth.texels);
+    shb_occluders_destroy(map);
     shb_free(map->context, map);
 }
 

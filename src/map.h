@@ -22,10 +22,34 @@ typedef struct shb_projection {
     double x_cross_y[3], x_cross_w[3], y_cross_w[3], z_cross_y[3], z_cross_w[3], x_cross_z[3];
 } shb_projection;
 
+/* The rows of the projection scaled to texels, row by row from the top, and canonical depth. */
+typedef struct shb_light_rows {
+    double x[4], y[4], z[4], w[4];
+} shb_light_rows;
+
+/* The plane depth = z + slope_x * X + slope_y * Y of a triangle, X and Y in texels, and how far it
+ * may lie in front of the true one near the triangle, up to a texel beyond its box: infinite for
+ * one that is not to be used. */
+typedef struct shb_occluder_plane {
+    double z, slope_x, slope_y, error;
+} shb_occluder_plane;
+
+/* What a map keeps of its occluders. */
+typedef struct shb_occluder_data {
+    bool held;         /* by the latest drawing */
+    uint32_t *texels;  /* two halves: slopes in x (low) and y over slope_unit; or a triangle's id */
+    size_t stride;     /* bytes */
+    double slope_unit; /* a power of two */
+    size_t plane_count; /* triangles of the scene */
+    shb_occluder_plane *planes;
+} shb_occluder_data;
+
 struct shb_map {
     shb_context *context;
     shb_map_info info;
     shb_projection projection;
+    shb_light_rows rows;
+    shb_occluder_data occluders;
     shb_depth_image depth;
     bool owned;    /* texels were allocated by the map */
     bool empty;    /* owned and not drawn yet: serves every method */

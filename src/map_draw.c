@@ -4,6 +4,7 @@
 #include "map.h"
 
 #include "format.h"
+#include "occluders.h"
 #include "scene.h"
 
 /* Where the two layers are drawn before they are combined: one row after the other, no gaps. */
@@ -72,6 +73,10 @@ static shb_result measure(const shb_scene *scene, double *scale) {
     return result;
 }
 
+static bool keeps_occluders(const shb_map *map, const shb_bias *bias) {
+    return map->info.occluders && (!bias || bias->needs & SHB_NEEDS_OCCLUDERS);
+}
+
 shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                         shb_draw_stats *stats) {
     if (!map)
@@ -99,11 +104,27 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
         desc.depth = (shb_depth_image){.texels = drawn.nearest};
         desc.second = (shb_depth_image){.texels = drawn.second};
     }
+    shb_occluder_data occluders = {0};
+    const bool keeps = keeps_occluders(map, bias);
+    if (keeps) {
+        if (!shb_occluders_prepare(map, scene, &occluders))
+            return shb_fail(map->context, SHB_ERROR_MEMORY,
+                            "shb_map_draw: no memory for the occluders of %llu triangles",
+                            (unsigned long long)shb_scene_triangle_count(scene));
+        desc.ids = occluders.texels;
+        desc.id_stride = occluders.stride;
+    }
     result = shb_draw(map->context, &desc, stats);
-    if (result != SHB_OK)
+    if (result != SHB_OK) {
+        if (keeps)
+            shb_occluders_release(map->context, &occluders);
         return result;
+    }
     if (combines)
         combine_rows(map, bias, &drawn);
+    if (keeps)
+        shb_occluders_finish(map, &occluders);
+    map->occluders.held = keeps;
     map->info.scene_scale = scene_scale;
     shb_map_set_method(map, bias);
     return SHB_OK;

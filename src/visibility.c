@@ -1,11 +1,12 @@
 #include "visibility.h"
 
+#include "exact.h"
 #include "project.h"
 
 #include <string.h>
 
 static bool needs_normals(const shb_bias *bias) {
-    return (bias->needs & (SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE)) != 0;
+    return (bias->needs & (SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE | SHB_NEEDS_OCCLUDERS)) != 0;
 }
 
 static const char *name_of(const shb_bias *bias) {
@@ -23,10 +24,28 @@ static bool map_serves(const shb_map *map, const shb_bias *bias) {
                               memcmp(map->combine_params, bias->params, sizeof bias->params) == 0);
 }
 
+static shb_result check_occluders(const shb_map *map, const char *caller, const shb_bias *bias,
+                                  const shb_filter *filter) {
+    if (!map->info.occluders && !map->empty)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" needs a map that was created with desc.occluders",
+                        caller, name_of(bias));
+    if (!map->empty && !map->occluders.held)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" needs occluders and the map was drawn for another",
+                        caller, name_of(bias));
+    if (filter && filter->filter != shb_filter_hard().filter)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" works with the hard filter only, not with \"%s\"",
+                        caller, name_of(bias), filter->name ? filter->name : "unnamed");
+    return SHB_OK;
+}
+
 shb_result shb_visibility_check(const shb_map *map, const char *caller, const shb_bias *bias,
                                 const shb_filter *filter, bool has_normals) {
     const shb_context *context = map->context;
-    const uint32_t known = SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE | SHB_NEEDS_FLIPPED;
+    const uint32_t known = SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE |
+                           SHB_NEEDS_FLIPPED | SHB_NEEDS_OCCLUDERS;
     if (!bias)
         return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: bias is NULL", caller);
     if (bias->needs & ~known)
@@ -43,7 +62,7 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
                         "%s: the method \"%s\" needs a map that was drawn for it with the same "
                         "parameters",
                         caller, name_of(bias));
-    return SHB_OK;
+    return bias->needs & SHB_NEEDS_OCCLUDERS ? check_occluders(map, caller, bias, filter) : SHB_OK;
 }
 
 /* A method without a depth stage tests the fragment's own depth. */
@@ -63,6 +82,10 @@ void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_fi
     const shb_filter_args filter_args = {count, filter, map, &map->info, receivers, visibility};
     shb_ndc ndc;
 
+    if (bias->needs & SHB_NEEDS_OCCLUDERS) {
+        shb_exact_visibility(map, count, receivers, visibility);
+        return;
+    }
     shb_project_points(projection, count, receivers, &ndc);
     if (bias->needs & SHB_NEEDS_SCALE)
         shb_project_scales(projection, count, &ndc, receivers);

@@ -32,7 +32,8 @@ TEST(methods_are_listed_in_order_with_their_defaults) {
                                  shb_bias_dual_layer(0.01f),
                                  shb_bias_back_face(),
                                  shb_bias_adaptive(1e-4f, 0),
-                                 shb_bias_adaptive_soft(1e-4f, 0, 100)};
+                                 shb_bias_adaptive_soft(1e-4f, 0, 100),
+                                 shb_bias_exact()};
     size_t count = 0;
     const shb_bias_method *methods = shb_bias_methods(&count);
     CHECK_INT(count, sizeof expected / sizeof *expected);

@@ -30,6 +30,15 @@ extern "C" {
 
 typedef struct shb_bias shb_bias;
 
+/* What a map keeps of its occluders beside their depth, for the exact method. */
+typedef enum shb_occluders {
+    SHB_OCCLUDERS_NONE = 0,
+    SHB_OCCLUDERS_PLANES,    /* the plane of each texel's triangle: 4 more bytes a texel */
+    SHB_OCCLUDERS_TRIANGLES, /* the triangle of each texel, and the mesh in the light's space: 4 more
+                                bytes a texel and about 90 a triangle */
+    SHB_OCCLUDERS_LISTS      /* all triangles that the light can see in each texel */
+} shb_occluders;
+
 /* What a map tells the methods and tools. Lengths in world units. */
 typedef struct shb_map_info {
     shb_view view;
@@ -37,7 +46,8 @@ typedef struct shb_map_info {
     uint32_t width, height;
     shb_format format;
     double scene_scale;  /* diagonal of the box of what was drawn, or as given in the description */
-    size_t memory_bytes; /* texels and padding */
+    size_t memory_bytes; /* texels, padding and what is kept of occluders */
+    shb_occluders occluders;
 } shb_map_info;
 
 /* Both texel coordinates of a fragment that has none: behind the light, or not finite. Coordinates
@@ -97,7 +107,9 @@ enum {
     SHB_NEEDS_NORMAL = 1, /* the points must come with normals; fills normal_*, cosine */
     SHB_NEEDS_SCALE = 2,  /* fills texel_size, depth_per_world */
     SHB_NEEDS_SLOPE = 4,  /* the points must come with normals; fills slope_* */
-    SHB_NEEDS_FLIPPED = 8 /* the map is drawn with flip_culling */
+    SHB_NEEDS_FLIPPED = 8,   /* the map is drawn with flip_culling */
+    SHB_NEEDS_OCCLUDERS = 16 /* the map answers by the occluders it keeps, which takes normals; the
+                                stages are not called and the filter must be the hard one */
 };
 
 struct shb_bias {
@@ -165,6 +177,18 @@ shb_bias shb_bias_adaptive(float k, float scene_scale);
 /* "adaptive-soft": the same with epsilon times min(1 / cosine^2, threshold) (Ehm et al. 2015, eq. 3
  * and 4). Default threshold: 100. */
 shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
+
+/* "exact": no parameter, no scene scale. Asks the occluder's own plane or triangle, by the best that
+ * the map keeps (shb_map_desc.occluders); every tolerance is a bound of rounding. Positions must lie
+ * within half a unit in the last place of their surface, elements of normals within 2^-22 of the
+ * triangle's.
+ * Planes: shadowed if the stored sample lies in front of the fragment's plane at the texel's centre
+ * and the sample's plane in front of the fragment at the fragment's own place in the map. Exact on
+ * both sides of a crease and on convex bodies; a shadow ends at a texel's border.
+ * Triangles: from the triangles of the four nearest samples over the mesh to the one that covers the
+ * fragment's own light ray, which decides; as with planes where the mesh ends or turns round on the
+ * way. Closed meshes get no false shadow and edges that are straight inside a texel. */
+shb_bias shb_bias_exact(void);
 
 /* One built-in method for tools: its default value and the names of its parameters. */
 typedef struct shb_bias_method {

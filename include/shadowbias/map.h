@@ -16,6 +16,7 @@ typedef struct shb_map_desc {
     double scene_scale; /* world units; 0: the diagonal of the box of what is drawn (a pass over its
                            vertices at each draw), or of the box of the light's frustum for a map
                            that is wrapped (up to depth 0.5 when far is infinite) */
+    shb_occluders occluders; /* kept when the map is drawn, for the exact method; none if wrapped */
 } shb_map_desc;
 
 /* An empty map: every fragment is lit, by any method. Both ways to make a map fail with
@@ -34,7 +35,8 @@ shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const vo
 
 /* Draws the scene into a map that shb_map_create made, in place of what it held. bias decides what
  * the map keeps (its combine stage, SHB_NEEDS_FLIPPED); NULL or any method without these: the
- * nearest depth, which serves all such methods alike. What a combine stage writes is rounded to the
+ * nearest depth, which serves all such methods alike. desc.occluders are kept if bias is NULL or
+ * needs them, in copies: the scene may go when the call is done. What a combine stage writes is rounded to the
  * format as drawn depths are; NaN becomes the far depth. stats may be NULL. Errors as shb_draw, and
  * SHB_ERROR_UNSUPPORTED for a wrapped map; the map keeps what it held then. One call at a time for
  * a context, and none while others ask the map. */

@@ -1,0 +1,163 @@
+/* The exact method on maps that keep planes: halves, the bound of rounding, refusals. */
+#include "../src/half.h"
+#include "probe.h"
+#include "random.h"
+#include "soup.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+TEST(every_half_survives_a_round_trip) {
+    bool all = true;
+    for (uint32_t half = 0; half <= 0xffff; half++) {
+        const bool is_nan = (half & 0x7fff) > 0x7c00;
+        const uint16_t back = shb_half_of((double)shb_half_to_float((uint16_t)half));
+        all &= is_nan || back == half;
+    }
+    CHECK(all);
+    CHECK((double)shb_half_to_float(0x3c00) == 1 && (double)shb_half_to_float(0xc000) == -2);
+    CHECK((double)shb_half_to_float(0x7bff) == 65504);
+    CHECK((double)shb_half_to_float(0x0001) == 0x1p-24);
+    CHECK(isinf(shb_half_to_float(0x7c00)) && isinf(shb_half_to_float(0xfc00)));
+}
+
+TEST(halves_round_to_nearest_even_within_their_bound) {
+    CHECK_INT(shb_half_of(1 + 0x1p-11), 0x3c00); /* halfway to 1 + 2^-10: the even one below */
+    CHECK_INT(shb_half_of(1 + 3 * 0x1p-11), 0x3c02);
+    CHECK_INT(shb_half_of(1 + 0x1p-11 + 0x1p-40), 0x3c01);
+    CHECK_INT(shb_half_of(0x1p-25), 0);
+    CHECK_INT(shb_half_of(3 * 0x1p-25), 2);
+    CHECK_INT(shb_half_of(0x1p-14 - 0x1p-40), 0x0400);
+    CHECK_INT(shb_half_of(65519.999), 0x7bff);
+    CHECK_INT(shb_half_of(-65520), 0xfc00);
+    CHECK_INT(shb_half_of((double)NAN) & 0x7fff, 0x7c00);
+    test_random random = {1};
+    bool within = true;
+    for (int i = 0; i < 100000; i++) {
+        const double value =
+            ldexp(random_double(&random, -1, 1), (int)random_below(&random, 44) - 28);
+        const double error = fabs((double)shb_half_to_float(shb_half_of(value)) - value);
+        within &= error <= fabs(value) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE;
+    }
+    CHECK(within);
+}
+
+typedef struct host {
+    shb_context *context;
+    shb_map *map;
+    char sentence[256];
+} host;
+
+static void keep_sentence(void *user, shb_result result, const char *sentence) {
+    host *kept = user;
+    CHECK(result != SHB_OK);
+    strncpy(kept->sentence, sentence, sizeof kept->sentence - 1);
+}
+
+static void open_host(host *opened, const shb_map_desc *desc) {
+    *opened = (host){0};
+    const shb_context_desc context = {.threads = 1, .log = keep_sentence, .log_user = opened};
+    CHECK_INT(shb_context_create(&context, &opened->context), SHB_OK);
+    CHECK_INT(shb_map_create(opened->context, desc, &opened->map), SHB_OK);
+}
+
+static void close_host(host *opened) {
+    shb_map_destroy(opened->map);
+    shb_context_destroy(opened->context);
+}
+
+/* What the exact method says of one point with a normal up. */
+static shb_result ask(const host *asked, const float point[3], const shb_filter *filter,
+                      float *visibility) {
+    static const float up[3] = {0, 0, 1};
+    const shb_points points = {.count = 1, .positions = point, .normals = up};
+    const shb_bias exact = shb_bias_exact();
+    return shb_map_visibility(asked->map, &points, &exact, filter, visibility);
+}
+
+/* A floor at z = 0 and a plate over its left half at z = height, seen from above. */
+static void add_plate(soup *s, float height) {
+    soup_add_quad(s, (float[]){-1, -1, 0}, (float[]){1, -1, 0}, (float[]){1, 1, 0},
+                  (float[]){-1, 1, 0});
+    soup_add_quad(s, (float[]){-1, -1, height}, (float[]){0, -1, height}, (float[]){0, 1, height},
+                  (float[]){-1, 1, height});
+}
+
+TEST(exact_needs_a_map_that_keeps_occluders) {
+    static const float point[3] = {0.5f, 0, 0}, up[3] = {0, 0, 1};
+    const shb_bias exact = shb_bias_exact(), constant = shb_bias_constant(0, SHB_UNIT_DEPTH);
+    shb_map_desc desc = {.view = probe_orthographic(false), .width = 16};
+    float visibility = 7;
+    soup s = {0};
+    add_plate(&s, 0.5f);
+    host h;
+    open_host(&h, &desc);
+    CHECK_INT(shb_map_draw(h.map, soup_scene(&s), &exact, NULL), SHB_OK);
+    CHECK_INT(ask(&h, point, NULL, &visibility), SHB_ERROR_UNSUPPORTED);
+    CHECK(strstr(h.sentence, "shb_map_visibility") && strstr(h.sentence, "desc.occluders"));
+    CHECK(visibility == 7);
+    const size_t plain = shb_map_get_info(h.map)->memory_bytes;
+    close_host(&h);
+
+    desc.occluders = SHB_OCCLUDERS_PLANES;
+    open_host(&h, &desc);
+    CHECK_INT(shb_map_get_info(h.map)->occluders, SHB_OCCLUDERS_PLANES);
+    CHECK(shb_map_get_info(h.map)->memory_bytes >= plain + 16 * 16 * 4);
+    CHECK_INT(ask(&h, point, NULL, &visibility), SHB_OK);
+    CHECK(visibility == 1);
+    CHECK_INT(shb_map_draw(h.map, soup_scene(&s), &constant, NULL), SHB_OK);
+    CHECK_INT(ask(&h, point, NULL, &visibility), SHB_ERROR_UNSUPPORTED);
+    CHECK_INT(shb_map_draw(h.map, soup_scene(&s), &exact, NULL), SHB_OK);
+    CHECK_INT(ask(&h, point, NULL, &visibility), SHB_OK);
+    CHECK(visibility == 1);
+    CHECK_INT(ask(&h, (float[]){-0.5f, 0, 0}, NULL, &visibility), SHB_OK);
+    CHECK(visibility == 0);
+
+    const shb_filter own = {.name = "own", .filter = shb_filter_hard().filter};
+    CHECK_INT(ask(&h, point, &own, &visibility), SHB_OK);
+    const shb_filter other = {.name = "other", .filter = (shb_filter_fn *)(void (*)(void))free};
+    CHECK_INT(ask(&h, point, &other, &visibility), SHB_ERROR_UNSUPPORTED);
+    CHECK(strstr(h.sentence, "\"other\""));
+    const shb_points bare = {.count = 1, .positions = point};
+    CHECK_INT(shb_map_visibility(h.map, &bare, &exact, NULL, &visibility), SHB_ERROR_UNSUPPORTED);
+    const shb_points full = {.count = 1, .positions = point, .normals = up};
+    CHECK_INT(shb_map_visibility(h.map, &full, &constant, NULL, &visibility), SHB_OK);
+    soup_free(&s);
+    close_host(&h);
+}
+
+TEST(a_wrapped_map_keeps_no_occluders) {
+    float texels[16] = {0};
+    host h = {0};
+    const shb_context_desc context = {.threads = 1, .log = keep_sentence, .log_user = &h};
+    CHECK_INT(shb_context_create(&context, &h.context), SHB_OK);
+    const shb_map_desc desc = {
+        .view = probe_orthographic(false), .width = 4, .occluders = SHB_OCCLUDERS_PLANES};
+    CHECK_INT(shb_map_wrap(h.context, &desc, texels, 0, NULL, &h.map), SHB_ERROR_UNSUPPORTED);
+    CHECK(h.map == NULL && strstr(h.sentence, "desc.occluders"));
+    close_host(&h);
+}
+
+/* Depth is (4 - z) / 8: a gap g becomes g / 8, and floats near 1/2 lie 2^-24 apart (2^-25 just
+ * below). So a gap of 2^-20 is many of them; the scene's size is 2. */
+TEST(a_gap_of_a_millionth_of_the_scene_casts_its_shadow) {
+    const shb_map_desc desc = {
+        .view = probe_orthographic(false), .width = 16, .occluders = SHB_OCCLUDERS_PLANES};
+    host h;
+    open_host(&h, &desc);
+    soup s = {0};
+    add_plate(&s, 0x1p-20f);
+    CHECK_INT(shb_map_draw(h.map, soup_scene(&s), NULL, NULL), SHB_OK);
+    float visibility;
+    for (int i = 0; i < 100; i++) {
+        const float x = -1 + 0.02f * (float)i, y = 0.9f - 0.017f * (float)i;
+        CHECK_INT(ask(&h, (float[]){x, y, 0}, NULL, &visibility), SHB_OK);
+        CHECK(visibility == (x < 0 ? 0.0f : 1.0f));
+        CHECK_INT(ask(&h, (float[]){x, y, 0x1p-20f}, NULL, &visibility), SHB_OK);
+        CHECK(visibility == 1);
+    }
+    soup_free(&s);
+    close_host(&h);
+}
