@@ -131,8 +131,8 @@ static inline __attribute__((always_inline)) void W(draw_large)(const shb_tile *
     }
 }
 
-/* A plain triangle inside the tile whose box is one vector wide and height rows high: height is a
- * constant where this is inlined, so the loop unrolls and no branch depends on the triangle. */
+/* A plain triangle inside the tile whose box is one vector wide. Where height is a constant the
+ * loop unrolls, and no branch depends on the triangle. */
 static inline __attribute__((always_inline)) void W(draw_rows)(const shb_tile *tile, int layers,
                                                                const chunk_boxes *boxes,
                                                                const chunk_planes *planes, int t,
