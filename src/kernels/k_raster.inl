@@ -8,7 +8,6 @@ enum {
     CLASS_NONE = 0,
     ROWS_MAX = 8,
     CLASS_TINY,
-    CLASS_COLUMN, /* plain, one wide vector wide, any number of rows */
     CLASS_SMALL,
     CLASS_SMALL_CAREFUL,
     CLASS_LARGE,
@@ -25,13 +24,11 @@ static void classify(int count, const shb_tile *tile, const chunk_boxes *restric
         const int32_t width = boxes->width[t], height = boxes->height[t];
         const int32_t not_small = (SHB_SMALL - width) | (SHB_SMALL - height);
         const int32_t outside = (x - x0) | (y - y0) | (x1 - x - width) | (y1 - y - height);
-        const int32_t not_column = outside | (WIDE - width);
         const int32_t not_rows = outside | (NARROW - width) | (ROWS_MAX - height);
         const int32_t not_tiny =
             not_rows | (2 - width) | (2 - height) | (x1 - x - 2) | (y1 - y - 2);
         const int32_t careful = not_small < 0 ? CLASS_LARGE_CAREFUL : CLASS_SMALL_CAREFUL;
         int32_t class = not_small < 0 ? CLASS_LARGE : CLASS_SMALL;
-        class = (not_column | not_small) < 0 ? class : CLASS_COLUMN;
         class = not_rows < 0 ? class : height;
         class = not_tiny < 0 ? class : CLASS_TINY;
         class = planes->plain[t] == 0 ? careful : class;
@@ -122,8 +119,6 @@ draw_classes(const shb_chunk *chunk, const shb_tile *tile, int layers, const chu
         DRAW_ROWS(6)
         DRAW_ROWS(7)
         DRAW_ROWS(8)
-        FOR_CLASS(CLASS_COLUMN,
-                  WIDE_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, boxes->height[t]))
         FOR_CLASS(CLASS_SMALL, WIDE_DRAW(draw_small)(tile, layers, boxes, planes, t, id, true))
         FOR_CLASS(CLASS_SMALL_CAREFUL,
                   WIDE_DRAW(draw_small)(tile, layers, boxes, planes, t, id, false))

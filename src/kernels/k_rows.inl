@@ -32,7 +32,7 @@ W(merge)(const shb_tile *tile, int layers, ptrdiff_t at, W(wi) edges, W(wf) z, W
  * - 1. edges counts from (left, top). */
 static inline __attribute__((always_inline)) void
 W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
-              const chunk_planes *planes, int t, uint32_t triangle, bool plain, bool covered,
+              const chunk_planes *planes, int t, uint32_t triangle, bool plain,
               const block_edges *edges, int32_t left, int32_t top, int32_t right, int32_t bottom) {
     const W(wi) id = W(wi_splat)((int32_t)triangle);
     W(wi) row[3], step_x[3], step_y[3];
@@ -57,10 +57,8 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
                 plain ? W(wf_add)(base, W(wf_mul)(depth_x, column))
                       : W(wf_plane)(careful_base, planes->step_x[t], (double)(first_column + i),
                                     planes->lo[t], planes->hi[t]);
-            W(merge)
-            (tile, layers, at,
-             covered ? W(wi_splat)(0) : W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]), z, id);
-            for (int k = 0; k < 3 && !covered; k++)
+            W(merge)(tile, layers, at, W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]), z, id);
+            for (int k = 0; k < 3; k++)
                 edge[k] = W(wi_add)(edge[k], step_x[k]);
             column = W(wf_add)(column, W(wf_splat)((float)LANES));
         }
@@ -94,7 +92,7 @@ static inline __attribute__((always_inline)) void W(draw_small)(const shb_tile *
         edges.value[k] = planes->edge[k][t] + edges.step_x[k] * i + edges.step_y[k] * j;
     }
     W(draw_block)
-    (tile, layers, boxes, planes, t, id, plain, false, &edges, part.left, part.top, part.right,
+    (tile, layers, boxes, planes, t, id, plain, &edges, part.left, part.top, part.right,
      part.bottom);
 }
 
@@ -113,26 +111,17 @@ static inline __attribute__((always_inline)) void W(draw_large)(const shb_tile *
             const int32_t right = MIN(left + SHB_SMALL, part.right);
             const int32_t width = (right - left + LANES - 1) / LANES * LANES;
             block_edges edges;
-            switch (find_block_edges(planes, t, first, left - boxes->x[t], top - boxes->y[t], width,
-                                     bottom - top, &edges)) {
-            case BLOCK_OUTSIDE:
-                break;
-            case BLOCK_CROSSED:
-                W(draw_block)
-                (tile, layers, boxes, planes, t, id, plain, false, &edges, left, top, right,
-                 bottom);
-                break;
-            case BLOCK_COVERED:
-                W(draw_block)
-                (tile, layers, boxes, planes, t, id, plain, true, &edges, left, top, right, bottom);
-                break;
-            }
+            if (!find_block_edges(planes, t, first, left - boxes->x[t], top - boxes->y[t], width,
+                                  bottom - top, &edges))
+                continue;
+            W(draw_block)
+            (tile, layers, boxes, planes, t, id, plain, &edges, left, top, right, bottom);
         }
     }
 }
 
-/* A plain triangle inside the tile whose box is one vector wide. Where height is a constant the
- * loop unrolls, and no branch depends on the triangle. */
+/* A plain triangle inside the tile whose box is one vector wide and height rows high: height is a
+ * constant where this is inlined, so the loop unrolls and no branch depends on the triangle. */
 static inline __attribute__((always_inline)) void W(draw_rows)(const shb_tile *tile, int layers,
                                                                const chunk_boxes *boxes,
                                                                const chunk_planes *planes, int t,

@@ -224,15 +224,11 @@ static void find_wide_edges(const chunk_boxes *boxes, const chunk_planes *planes
     }
 }
 
-/* How a triangle meets a block of samples. */
-typedef enum block_cover { BLOCK_OUTSIDE, BLOCK_CROSSED, BLOCK_COVERED } block_cover;
-
-/* The edges of the block that starts i columns and j rows from the box's first sample. An edge that
- * crosses the block is at most (|step_x| + |step_y|) * 80 < 2^31 anywhere in it. */
-static block_cover find_block_edges(const chunk_planes *planes, int t, const int64_t first[3],
-                                    int32_t i, int32_t j, int32_t width, int32_t height,
-                                    block_edges *edges) {
-    bool covered = true;
+/* The edges of the block that starts i columns and j rows from the box's first sample; false if one
+ * of them rejects the whole block. An edge that crosses the block is at most
+ * (|step_x| + |step_y|) * 80 < 2^31 anywhere in it. */
+static bool find_block_edges(const chunk_planes *planes, int t, const int64_t first[3], int32_t i,
+                             int32_t j, int32_t width, int32_t height, block_edges *edges) {
     for (int k = 0; k < 3; k++) {
         const int64_t step_x = planes->edge_x[k][t], step_y = planes->edge_y[k][t];
         const int64_t corner = first[k] + step_x * i + step_y * j;
@@ -240,12 +236,11 @@ static block_cover find_block_edges(const chunk_planes *planes, int t, const int
         const int64_t lo = corner + MIN(across, 0) + MIN(down, 0);
         const int64_t hi = corner + MAX(across, 0) + MAX(down, 0);
         if (hi < 0)
-            return BLOCK_OUTSIDE;
+            return false;
         const bool covers = lo >= 0;
-        covered &= covers;
         edges->value[k] = covers ? 0 : (int32_t)corner;
         edges->step_x[k] = covers ? 0 : (int32_t)step_x;
         edges->step_y[k] = covers ? 0 : (int32_t)step_y;
     }
-    return covered ? BLOCK_COVERED : BLOCK_CROSSED;
+    return true;
 }

@@ -78,9 +78,7 @@ static void shear_corner(const shb_ray *ray, const double corner[3], double shea
     sheared[1] = (corner[y] - ray->origin[y]) - ray->shear[1] * along;
 }
 
-/* True if the line of the ray meets the triangle, edges and corners included. A triangle seen
- * edge-on is missed: its neighbours hold the same edges. */
-static bool line_meets_triangle(const shb_ray *ray, const shb_triangle *triangle) {
+bool shb_ray_line_meets(const shb_ray *ray, const shb_triangle *triangle) {
     double a[2], b[2], c[2];
     shear_corner(ray, triangle->corners[0], a);
     shear_corner(ray, triangle->corners[1], b);
@@ -177,5 +175,5 @@ static bool lies_between(const shb_ray *ray, const shb_triangle *triangle,
 }
 
 bool shb_ray_is_blocked(const shb_ray *ray, const shb_triangle *triangle, const shb_triangle *own) {
-    return line_meets_triangle(ray, triangle) && lies_between(ray, triangle, own);
+    return shb_ray_line_meets(ray, triangle) && lies_between(ray, triangle, own);
 }

@@ -20,6 +20,10 @@ typedef struct shb_ray {
 /* The ray from a point to the light; false if the point is not finite or is the light itself. */
 bool shb_ray_to_light(const shb_light_source *light, shb_vec3 point, shb_ray *ray);
 
+/* True if the line of the ray meets the triangle, edges and corners included. A triangle seen
+ * edge-on is missed: its neighbours hold the same edges. */
+bool shb_ray_line_meets(const shb_ray *ray, const shb_triangle *triangle);
+
 /* True if the ray meets the triangle between its origin and the light, and farther from both than
  * the rounding of inputs and distance. own: the triangle that the origin was computed on, or NULL.
  */

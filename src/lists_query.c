@@ -1,0 +1,109 @@
+/* Asking lists. Where the bounds of rounding leave a triangle in doubt, because the ray passes an
+ * edge, the point lies on the triangle or the light sees it edge-on, the reference's own test of
+ * the ray decides. */
+#include "strict.h"
+
+#include "lists.h"
+
+#include <math.h>
+
+/* A point as the light sees it. */
+typedef struct point {
+    double x, y, depth;
+    double world[3];
+    double inverse_w;
+    double scale; /* of the triangles' bounds: above 1 where the point lies outside the scene */
+    double rounding;
+    uint32_t own_id;
+} point;
+
+static double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
+/* False if the view does not hold the point. */
+static bool project(const shb_list_frame *frame, point *p) {
+    const double *at = p->world;
+    const double w = shb_list_row(frame->rows[3], at[0], at[1], at[2]);
+    p->inverse_w = 1 / w;
+    p->x = shb_list_row(frame->rows[0], at[0], at[1], at[2]) * p->inverse_w;
+    p->y = shb_list_row(frame->rows[1], at[0], at[1], at[2]) * p->inverse_w;
+    p->depth = shb_list_row(frame->rows[2], at[0], at[1], at[2]) * p->inverse_w;
+    const double reach = larger(larger(fabs(at[0]), fabs(at[1])), fabs(at[2]));
+    p->scale = reach > frame->reach ? reach / frame->reach : 1;
+    return w > 0 && p->x >= 0 && p->x < frame->width && p->y >= 0 && p->y < frame->height &&
+           fabs(p->depth) < HUGE_VAL;
+}
+
+/* The parameter of a ray at which it leaves what lies behind the near plane. */
+static double near_limit(const shb_list_frame *frame, const shb_ray *ray) {
+    double row[4];
+    for (int i = 0; i < 4; i++)
+        row[i] = frame->rows[2][i] - frame->near_depth * frame->rows[3][i];
+    const double *o = ray->origin;
+    const double at_point = shb_list_row(row, o[0], o[1], o[2]);
+    const double along =
+        row[0] * ray->direction[0] + row[1] * ray->direction[1] + row[2] * ray->direction[2];
+    return at_point / -along;
+}
+
+/* The change of the depth function by the point's own rounding. */
+static double depth_rounding(const shb_list_triangle *triangle, const point *p) {
+    const float *n = triangle->normal;
+    return ((double)n[0] * fabs(p->world[0]) + (double)n[1] * fabs(p->world[1]) +
+            (double)n[2] * fabs(p->world[2])) *
+           p->inverse_w * p->rounding;
+}
+
+/* Decides a triangle in doubt; depth is how far the point lies behind its plane. */
+static bool blocks_exactly(const shb_lists *lists, uint32_t number, const point *p, double depth) {
+    const shb_list_frame *frame = &lists->frame;
+    const shb_list_triangle *triangle = &lists->triangles[number];
+    const shb_triangle *corners = &lists->corners[number];
+    const shb_vec3 at = {p->world[0], p->world[1], p->world[2]};
+    shb_ray ray;
+    if (!shb_ray_to_light(&frame->light, at, &ray))
+        return false;
+    if (p->rounding > 0) {
+        const double bound = (double)triangle->depth_bound * p->scale + depth_rounding(triangle, p);
+        return depth > bound && !(p->depth - depth < frame->near_depth) &&
+               shb_ray_line_meets(&ray, corners);
+    }
+    if (triangle->crosses_near)
+        ray.limit = near_limit(frame, &ray);
+    const uint32_t own = p->own_id < lists->id_count ? lists->slots[p->own_id] : SHB_ID_NONE;
+    return shb_ray_is_blocked(&ray, corners, own == SHB_ID_NONE ? NULL : &lists->corners[own]);
+}
+
+static bool is_blocked(const shb_lists *lists, const point *p) {
+    const uint32_t *entry, *end;
+    shb_lists_entries(lists, (uint32_t)p->x, (uint32_t)p->y, &entry, &end);
+    for (; entry < end; entry++) {
+        const shb_list_triangle *t = &lists->triangles[*entry];
+        if (p->depth < (double)t->nearest)
+            return false;
+        const double edge_bound = (double)t->edge_bound * p->scale;
+        const double depth_bound = (double)t->depth_bound * p->scale;
+        double f[SHB_LIST_FUNCTIONS];
+        for (int i = 0; i < SHB_LIST_FUNCTIONS; i++)
+            f[i] = (t->x[i] * p->x + t->y[i] * p->y) + t->one[i];
+        const double depth = f[SHB_LIST_DEPTH] + p->depth;
+        if (f[0] < -edge_bound || f[1] < -edge_bound || f[2] < -edge_bound ||
+            depth < -depth_bound || t->id == p->own_id)
+            continue;
+        const bool is_clear = f[0] > edge_bound && f[1] > edge_bound && f[2] > edge_bound &&
+                              depth > depth_bound + depth_rounding(t, p) && !t->crosses_near;
+        if (is_clear || blocks_exactly(lists, *entry, p, depth))
+            return true;
+    }
+    return false;
+}
+
+void shb_lists_query(const shb_lists *lists, const shb_list_points *points, float *visibility) {
+    for (size_t i = 0; i < points->count; i++) {
+        point p = {.world = {points->x[i], points->y[i], points->z[i]},
+                   .rounding = points->rounding,
+                   .own_id = points->own_ids ? points->own_ids[i] : SHB_ID_NONE};
+        visibility[i] = project(&lists->frame, &p) && is_blocked(lists, &p) ? 0 : 1;
+    }
+}
