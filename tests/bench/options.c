@@ -1,0 +1,91 @@
+#include "options.h"
+
+#include "arguments.h"
+#include "tool.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char help[] =
+    "\n"
+    "stages, and what their time is divided by:\n"
+    "  depth        closest depth as the light sees it         triangle\n"
+    "  camera       depth and ids as the camera sees it        triangle\n"
+    "  dual         two closest depths as the light sees them  triangle\n"
+    "  cull         everything lies beside the view            triangle\n"
+    "  visibility   hard:METHOD, fragments of a camera's view  fragment\n"
+    "  shade        shade:METHOD, Lambert under one light      fragment\n"
+    "  frame        frame:METHOD, map, camera and shading      fragment\n"
+    "  goals        times with a goal, by instruction set\n"
+    "  ratios       two things by turns, with a goal\n"
+    "size is that of the map, or of the picture for camera; the pictures of visibility, shade and\n"
+    "frame have 1024 x 1024 pixels, or more until half a million fragments are in sight.\n"
+    "With one thread, times are its processor time; with more, time on the wall. Medians are of "
+    "at\n"
+    "least 15 runs; scalar: of 3 runs, of 1 with --quick or where a run takes over 0.1 s.\n"
+    "limit: the time to write the images once by 64-byte stores (visibility, shade and frame: to\n"
+    "copy the bytes that they must read and write), one thread, divided by the time taken.\n"
+    "Cycles come from a chain of additions timed at the start.\n";
+
+bool options_read(int argc, char **argv, bench_options *options, int *exit_code) {
+    *options = (bench_options){.folder = "../shared/scenes", .isa_name = "best", .threads = 1};
+    const argument_spec arguments[] = {
+        {"--only", "STAGE", "one group of stages or one stage, see below", ARGUMENT_TEXT,
+         &options->only, 0, 0},
+        {"--scene", "NAME|FILE", "one scene: built-in, made for measuring, or OBJ file",
+         ARGUMENT_TEXT, &options->scene, 0, 0},
+        {"--scenes", "FOLDER", "where OBJ files lie (../shared/scenes)", ARGUMENT_TEXT,
+         &options->folder, 0, 0},
+        {"--size", "N", "one size of map and picture (512, 1024, ... 8192)", ARGUMENT_COUNT,
+         &options->size, 8, SHB_SIZE_MAX},
+        {"--isa", "NAME", "at most best, scalar, sse2, avx2, avx512, neon (best)", ARGUMENT_TEXT,
+         &options->isa_name, 0, 0},
+        {"--threads", "N", "0: one a processor (1)", ARGUMENT_COUNT, &options->threads, 0, 256},
+        {"--pin", NULL, "keep the main thread on its processor", ARGUMENT_FLAG, &options->pin, 0,
+         0},
+        {"--quick", NULL, "few scenes, sizes and methods: under 40 seconds", ARGUMENT_FLAG,
+         &options->quick, 0, 0},
+        {"--tsv", NULL, "tab-separated rows below one line of names", ARGUMENT_FLAG, &options->tsv,
+         0, 0},
+        {"--help", NULL, "print this", ARGUMENT_FLAG, &options->help, 0, 0},
+    };
+    const size_t count = sizeof arguments / sizeof *arguments;
+    char error[256];
+    *exit_code = TOOL_USAGE;
+    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
+        fprintf(stderr, "bench: %s\n", error);
+        return false;
+    }
+    if (options->help) {
+        printf("usage: bench [OPTIONS]\n");
+        arguments_print(stdout, arguments, count);
+        fputs(help, stdout);
+        *exit_code = TOOL_OK;
+        return false;
+    }
+    if (tool_parse_isa(options->isa_name, &options->isa))
+        return true;
+    fprintf(stderr, "bench: --isa: \"%s\" is not best, scalar, sse2, avx2, avx512 or neon\n",
+            options->isa_name);
+    return false;
+}
+
+bool options_want(const bench_options *options, const char *group, const char *stage) {
+    if (!options->only || strcmp(options->only, group) == 0)
+        return true;
+    if (stage)
+        return strcmp(options->only, stage) == 0;
+    const char *prefix = strcmp(group, "visibility") == 0 ? "hard" : group;
+    const size_t length = strlen(prefix);
+    return strncmp(options->only, prefix, length) == 0 && options->only[length] == ':';
+}
+
+size_t options_sizes(const bench_options *options, const uint32_t **sizes) {
+    static const uint32_t all[] = {512, 1024, 2048, 4096, 8192}, few[] = {1024, 2048};
+    if (options->size) {
+        *sizes = &options->size;
+        return 1;
+    }
+    *sizes = options->quick ? few : all;
+    return options->quick ? sizeof few / sizeof *few : sizeof all / sizeof *all;
+}

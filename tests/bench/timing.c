@@ -1,0 +1,84 @@
+#include "timing.h"
+
+#include "statistics.h"
+
+#include <time.h>
+
+/* Shorter samples than this would be those of the clock. */
+#define SAMPLE_SECONDS 50e-6
+
+/* More samples are taken up to this time, for a steadier median. */
+#define CHEAP_SECONDS 0.03
+
+#define CHEAP_RUNS_MAX 101
+
+double bench_seconds(bench_clock clock) {
+    struct timespec now;
+    clock_gettime(clock == BENCH_CLOCK_WALL ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Seconds a run of `repeats` runs in a row. */
+static shb_result take_sample(bench_work work, bench_clock clock, uint32_t repeats,
+                              double *seconds) {
+    const double start = bench_seconds(clock);
+    for (uint32_t i = 0; i < repeats; i++) {
+        const shb_result result = work.run(work.state);
+        if (result)
+            return result;
+    }
+    *seconds = (bench_seconds(clock) - start) / repeats;
+    return SHB_OK;
+}
+
+/* Warms up and finds how many runs make a sample. */
+static shb_result warm_up(bench_work work, bench_clock clock, uint32_t *repeats, double *seconds) {
+    shb_result result = take_sample(work, clock, 1, seconds);
+    *repeats = 1;
+    while (!result && *seconds * *repeats < SAMPLE_SECONDS && *repeats < 1u << 16) {
+        *repeats *= 4;
+        result = take_sample(work, clock, *repeats, seconds);
+    }
+    return result;
+}
+
+static bench_times summarize(const double *samples, size_t count) {
+    return (bench_times){statistics_median(samples, count), statistics_least(samples, count)};
+}
+
+shb_result bench_measure(bench_work work, bench_clock clock, uint32_t runs, bench_times *times) {
+    double samples[STATISTICS_MAX];
+    uint32_t repeats;
+    double seconds, spent = 0;
+    shb_result result = warm_up(work, clock, &repeats, &seconds);
+    uint32_t count = 0;
+    while (!result && (count < runs || (count < CHEAP_RUNS_MAX && spent < CHEAP_SECONDS))) {
+        result = take_sample(work, clock, repeats, &samples[count]);
+        spent += samples[count++] * repeats;
+    }
+    if (!result)
+        *times = summarize(samples, count);
+    return result;
+}
+
+shb_result bench_compare(bench_work first, bench_work second, bench_clock clock, uint32_t runs,
+                         bench_comparison *comparison) {
+    double firsts[STATISTICS_MAX], seconds[STATISTICS_MAX];
+    uint32_t first_repeats, second_repeats;
+    double warm;
+    shb_result result = warm_up(first, clock, &first_repeats, &warm);
+    if (!result)
+        result = warm_up(second, clock, &second_repeats, &warm);
+    for (uint32_t i = 0; !result && i < runs; i++) {
+        result = take_sample(first, clock, first_repeats, &firsts[i]);
+        if (!result)
+            result = take_sample(second, clock, second_repeats, &seconds[i]);
+    }
+    if (result)
+        return result;
+    comparison->first = summarize(firsts, runs);
+    comparison->second = summarize(seconds, runs);
+    comparison->ratio = statistics_median_ratio(firsts, seconds, runs);
+    comparison->least_ratio = comparison->first.least / comparison->second.least;
+    return SHB_OK;
+}
