@@ -4,6 +4,7 @@
 #include "subjects.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { GOAL_SSE2, GOAL_AVX2, GOAL_AVX512, GOAL_ISAS };
 
@@ -43,7 +44,7 @@ static bool report_depth_goal(bench_session *session, const depth_goal *goal,
                                                         goal->size, DRAW_DEPTH, &work)))
         return false;
     const shb_result result =
-        bench_measure(draw_work_of(&work), BENCH_CLOCK_THREAD, session->runs, &row.times);
+        bench_measure(draw_work_of(&work), BENCH_CLOCK_THREAD, session->plan, &row.times);
     draw_work_destroy(&work);
     row.measured = 1e3 * row.times.median;
     if (!result)
@@ -51,12 +52,30 @@ static bool report_depth_goal(bench_session *session, const depth_goal *goal,
     return session_succeeds(goal->scene, result);
 }
 
-static bool measure_depth_goal(bench_session *session, const depth_goal *goal) {
-    example_scene *scene = subject_open_if_there(session->options.folder, goal->scene);
+static bool measure_depth_goal(bench_session *session, const depth_goal *goal,
+                               const example_scene *scene) {
     bool done = true;
-    for (int isa = 0; scene && isa < GOAL_ISAS && done; isa++)
+    for (int isa = 0; isa < GOAL_ISAS && done; isa++)
         if (session->capped[goal_isas[isa]])
             done = report_depth_goal(session, goal, scene, isa);
+    return done;
+}
+
+/* Goals of one scene follow each other, so that each scene is opened once. */
+static bool measure_depth_goals(bench_session *session) {
+    const depth_goal *end = depth_goals + sizeof depth_goals / sizeof *depth_goals;
+    const char *opened = "";
+    example_scene *scene = NULL;
+    bool done = true;
+    for (const depth_goal *goal = depth_goals; goal < end && done; goal++) {
+        progress_step(&session->progress, goal->scene);
+        if (strcmp(opened, goal->scene) != 0) {
+            scene_close(scene);
+            scene = subject_open_if_there(session->options.folder, goal->scene);
+            opened = goal->scene;
+        }
+        done = !scene || measure_depth_goal(session, goal, scene);
+    }
     scene_close(scene);
     return done;
 }
@@ -77,7 +96,7 @@ static bool report_adaptive_goal(bench_session *session, const measure_frame *fr
                                                      row.size, &bias, &work)))
         return false;
     const shb_result result =
-        bench_measure(light_work_visibility(&work), BENCH_CLOCK_THREAD, session->runs, &row.times);
+        bench_measure(light_work_visibility(&work), BENCH_CLOCK_THREAD, session->plan, &row.times);
     light_work_destroy(&work);
     row.measured = 1e9 * row.times.median / row.items;
     if (!result)
@@ -101,10 +120,5 @@ static bool measure_adaptive_goal(bench_session *session) {
 
 bool goals_measure(bench_session *session) {
     report_heading(session, "goals, one thread");
-    for (size_t i = 0; i < sizeof depth_goals / sizeof *depth_goals; i++) {
-        progress_step(&session->progress, "goals");
-        if (!measure_depth_goal(session, &depth_goals[i]))
-            return false;
-    }
-    return measure_adaptive_goal(session);
+    return measure_depth_goals(session) && measure_adaptive_goal(session);
 }

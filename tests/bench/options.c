@@ -3,6 +3,8 @@
 #include "arguments.h"
 #include "tool.h"
 
+#include "shadowbias/bias.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -18,14 +20,43 @@ static const char help[] =
     "  frame        frame:METHOD, map, camera and shading      fragment\n"
     "  goals        times with a goal, by instruction set\n"
     "  ratios       two things by turns, with a goal\n"
+    "goals and ratios have scenes and sizes of their own: --scene and --size leave them out.\n"
+    "Made for measuring: height-field, hills, huge, stack, triangle and culled.\n"
     "size is that of the map, or of the picture for camera; the pictures of visibility, shade and\n"
     "frame have 1024 x 1024 pixels, or more until half a million fragments are in sight.\n"
-    "With one thread, times are its processor time; with more, time on the wall. Medians are of "
-    "at\n"
-    "least 15 runs; scalar: of 3 runs, of 1 with --quick or where a run takes over 0.1 s.\n"
+    "With one thread, times are its processor time; with more, time on the wall. Medians are\n"
+    "of at least 15 runs (5 with --quick); scalar: of 3, or 1 with --quick or above 0.1 s.\n"
     "limit: the time to write the images once by 64-byte stores (visibility, shade and frame: to\n"
     "copy the bytes that they must read and write), one thread, divided by the time taken.\n"
     "Cycles come from a chain of additions timed at the start.\n";
+
+static const char *const groups[] = {"depth", "camera", "dual",  "cull",  "visibility",
+                                     "shade", "frame",  "goals", "ratios"};
+
+/* True if some stage has the name that --only gives. */
+static bool is_stage(const bench_options *options) {
+    const char *method = strchr(options->only, ':');
+    shb_bias bias;
+    if (method && (strchr(method + 1, ':') || shb_bias_parse(method + 1, &bias)))
+        return false;
+    for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
+        if (options_want(options, groups[i], NULL))
+            return true;
+    return false;
+}
+
+/* Prints what is wrong. */
+static bool check_names(bench_options *options) {
+    if (!tool_parse_isa(options->isa_name, &options->isa)) {
+        fprintf(stderr, "bench: --isa: \"%s\" is not best, scalar, sse2, avx2, avx512 or neon\n",
+                options->isa_name);
+        return false;
+    }
+    if (!options->only || is_stage(options))
+        return true;
+    fprintf(stderr, "bench: --only: \"%s\" is no stage, see --help\n", options->only);
+    return false;
+}
 
 bool options_read(int argc, char **argv, bench_options *options, int *exit_code) {
     *options = (bench_options){.folder = "../shared/scenes", .isa_name = "best", .threads = 1};
@@ -63,11 +94,7 @@ bool options_read(int argc, char **argv, bench_options *options, int *exit_code)
         *exit_code = TOOL_OK;
         return false;
     }
-    if (tool_parse_isa(options->isa_name, &options->isa))
-        return true;
-    fprintf(stderr, "bench: --isa: \"%s\" is not best, scalar, sse2, avx2, avx512 or neon\n",
-            options->isa_name);
-    return false;
+    return check_names(options);
 }
 
 bool options_want(const bench_options *options, const char *group, const char *stage) {

@@ -40,7 +40,7 @@ static bench_row start_row(const char *name, const char *scene, const example_sc
 static bool report_pair(bench_session *session, bench_work first, bench_work second,
                         bench_clock clock, bool at_least, bench_row *row) {
     bench_comparison pair;
-    const shb_result result = bench_compare(first, second, clock, session->runs, &pair);
+    const shb_result result = bench_compare(first, second, clock, session->plan, &pair);
     if (!session_succeeds(row->stage, result))
         return false;
     row->times = pair.first;
@@ -177,7 +177,7 @@ static bool report_culled(bench_session *session, const char *title, const examp
     if (!session_succeeds(row.stage, create_draw(context, scene, row.size, DRAW_DEPTH, &work)))
         return false;
     const shb_result result =
-        bench_measure(draw_work_of(&work), BENCH_CLOCK_THREAD, session->runs, &row.times);
+        bench_measure(draw_work_of(&work), BENCH_CLOCK_THREAD, session->plan, &row.times);
     draw_work_destroy(&work);
     row.measured = 1e9 * row.times.median / row.items;
     if (!result)
@@ -232,7 +232,7 @@ static bool measure_hard(bench_session *session, const measure_frame *frame) {
                           light_work_create(context, frame, RATIO_SIZE, &constant, &work)))
         return false;
     const shb_result result =
-        bench_measure(light_work_visibility(&work), BENCH_CLOCK_THREAD, session->runs, &row.times);
+        bench_measure(light_work_visibility(&work), BENCH_CLOCK_THREAD, session->plan, &row.times);
     light_work_destroy(&work);
     row.measured = 1e9 * row.times.median / row.items;
     if (!result)

@@ -13,7 +13,8 @@ static void print_machine(const bench_session *session) {
            shb_isa_name(shb_context_isa(session->context)), shb_context_threads(session->context),
            shb_context_threads(session->context) == 1 ? "" : "s",
            session->clock == BENCH_CLOCK_THREAD ? "the thread's processor" : "wall", ghz(session));
-    printf("medians of at least %u runs, scalar of %u\n", session->runs, session->scalar_runs);
+    printf("medians of at least %u runs, scalar of %u\n", session->plan.runs,
+           session->scalar_plan.runs);
     printf("%-24s", "bandwidth in GB/s of MB");
     for (size_t i = 0; i < machine->bandwidth_count; i++)
         printf("%8zu", machine->bandwidths[i].bytes >> 20);

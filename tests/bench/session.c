@@ -43,7 +43,9 @@ static bool create_contexts(bench_session *session) {
 
 bool session_open(const bench_options *options, bench_session *session) {
     *session =
-        (bench_session){.options = *options, .runs = 15, .scalar_runs = options->quick ? 1 : 3};
+        (bench_session){.options = *options,
+                        .plan = options->quick ? (bench_plan){5, 0.05} : (bench_plan){15, 0.05},
+                        .scalar_plan = {options->quick ? 1 : 3, 0}};
     if (!create_contexts(session))
         return false;
     const bool is_single = shb_context_threads(session->context) == 1;

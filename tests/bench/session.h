@@ -16,7 +16,7 @@ typedef struct bench_session {
                                            options do not allow it */
     shb_context *two;                   /* as context, of two threads*/
     bench_clock clock;
-    uint32_t runs, scalar_runs;
+    bench_plan plan, scalar_plan;
     progress_line progress;
     char heading[48]; /* the scene whose rows are being printed */
 } bench_session;

@@ -54,16 +54,19 @@ static void add_level_triangle(owned_mesh *mesh, double height, const double cor
     owned_mesh_add_triangle(mesh, vertices[0], vertices[1], vertices[2]);
 }
 
+/* From one stacked quad to the next. */
+#define QUAD_DISTANCE 0.2
+
 static void build_quads(example_scene *scene, uint32_t quads, shb_vec3 to_light) {
     owned_mesh *mesh = scene_add_mesh(scene);
     for (uint32_t i = 0; i < quads; i++) {
-        const double height = 0.02 * i;
+        const double height = QUAD_DISTANCE * i;
         add_level_triangle(mesh, height, (const double[3][2]){{-1, -1}, {-1, 1}, {1, -1}});
         add_level_triangle(mesh, height, (const double[3][2]){{1, -1}, {-1, 1}, {1, 1}});
     }
     scene_add_instance(scene, mesh, NULL, SHB_CULL_NONE, &(scene_surface){0});
     set_light_and_camera(scene, to_light);
-    scene->bounds = (shb_box){{-1, 0, -1}, {1, 0.02 * (quads - 1), 1}};
+    scene->bounds = (shb_box){{-1, 0, -1}, {1, QUAD_DISTANCE * (quads - 1), 1}};
 }
 
 void measured_huge(example_scene *scene) {

@@ -42,19 +42,18 @@ static const draw_stage stages[] = {{"depth", DRAW_DEPTH, light_view},
 
 static const draw_stage cull_stage = {"cull", DRAW_DEPTH, beside_view};
 
-static shb_result time_scalar(const bench_session *session, bench_work scalar,
-                                 bench_times *times) {
+static shb_result time_scalar(const bench_session *session, bench_work scalar, bench_times *times) {
     const double start = bench_seconds(session->clock);
     shb_result result = scalar.run(scalar.state);
     const double seconds = bench_seconds(session->clock) - start;
     *times = (bench_times){seconds, seconds};
     if (!result && seconds < SLOW_SECONDS)
-        result = bench_measure(scalar, session->clock, session->scalar_runs, times);
+        result = bench_measure(scalar, session->clock, session->scalar_plan, times);
     return result;
 }
 
 bool stages_measure(bench_session *session, bench_work work, bench_work scalar, bench_row *row) {
-    shb_result result = bench_measure(work, session->clock, session->runs, &row->times);
+    shb_result result = bench_measure(work, session->clock, session->plan, &row->times);
     row->scalar = (bench_times){0};
     if (!result && scalar.run)
         result = time_scalar(session, scalar, &row->scalar);
@@ -65,8 +64,8 @@ bool stages_measure(bench_session *session, bench_work work, bench_work scalar, 
     return session_succeeds(row->stage, result);
 }
 
-static bool time_stage(bench_session *session, const draw_stage *stage,
-                          const example_scene *scene, const char *title, uint32_t size) {
+static bool time_stage(bench_session *session, const draw_stage *stage, const example_scene *scene,
+                       const char *title, uint32_t size) {
     bench_row row = {.triangles = scene->triangle_count,
                      .size = size,
                      .items = (double)scene->triangle_count,

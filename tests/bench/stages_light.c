@@ -47,7 +47,7 @@ static double least_bytes(const light_stage *stage, const light_work *work, doub
 }
 
 static bool time_stage(bench_session *session, const light_stage *stage, light_work *work,
-                          light_work *scalar, const char *title) {
+                       light_work *scalar, const char *title) {
     const shb_map_info *info = shb_map_get_info(work->map);
     const double pixels = (double)work->frame->frame.width * work->frame->frame.height;
     const double map_texels = (double)info->width * info->height;
@@ -94,7 +94,7 @@ static bool is_wanted(const bench_session *session, const char *method) {
 }
 
 static bool time_methods(bench_session *session, const measure_frame *frame, uint32_t size,
-                            const char *title) {
+                         const char *title) {
     size_t count;
     const shb_bias_method *methods = shb_bias_methods(&count);
     const shb_bias none = shb_bias_none();
@@ -114,7 +114,7 @@ static bool time_methods(bench_session *session, const measure_frame *frame, uin
 }
 
 static bool time_frame(bench_session *session, const measure_frame *frame, uint32_t size,
-                                const shb_bias *bias, const char *title) {
+                       const shb_bias *bias, const char *title) {
     light_work work, scalar = {0};
     if (!session_succeeds(title, light_work_create(session->context, frame, size, bias, &work)))
         return false;

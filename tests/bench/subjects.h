@@ -6,15 +6,15 @@
 
 /* Made for measuring, besides the built-in scenes:
  *
- *   height-field   1000 x 1000 quads over [-1, 1]^2, seen straight from above: it fills the map
- *   hills          the same shape in 300 x 300 quads, light from the side; for shading
- *   huge           four triangles: two stacked quads that fill the map, the lower one first
- *   stack          eight stacked quads, the lowest first, light from the side: they fill two fifths
- *   triangle       one triangle that covers the whole map and more
- *   culled         the height field, drawn without the side that the light sees
+ *   height-field   1000 x 1000 quads over [-1, 1]^2, light straight from above: nine tenths of the
+ * map hills          the same shape in 300 x 300 quads, light from the side; for shading huge four
+ * triangles: two stacked quads, the lower one first, light from above stack          eight stacked
+ * quads, the lowest first, light from the side: each fills two fifths triangle       one triangle
+ * that covers the whole map and more culled         the height field, drawn without the side that
+ * the light sees
  *
- * The light of OBJ files, hills aside, stands in the direction (0.4, 0.8, 0.45); closed meshes cull
- * back faces, all others nothing. */
+ * The light of OBJ files stands in the direction (0.4, 0.8, 0.45); of the meshes that are known to
+ * be closed, back faces are culled, of all others nothing. */
 
 /* Opens a scene by its name or path; scene_close releases it. On failure: false and one sentence.
  */

@@ -7,11 +7,6 @@
 /* Shorter samples than this would be those of the clock. */
 #define SAMPLE_SECONDS 50e-6
 
-/* More samples are taken up to this time, for a steadier median. */
-#define CHEAP_SECONDS 0.03
-
-#define CHEAP_RUNS_MAX 101
-
 double bench_seconds(bench_clock clock) {
     struct timespec now;
     clock_gettime(clock == BENCH_CLOCK_WALL ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &now);
@@ -46,39 +41,49 @@ static bench_times summarize(const double *samples, size_t count) {
     return (bench_times){statistics_median(samples, count), statistics_least(samples, count)};
 }
 
-shb_result bench_measure(bench_work work, bench_clock clock, uint32_t runs, bench_times *times) {
+static bool wants_more(bench_plan plan, uint32_t count, double spent) {
+    return count < plan.runs || (count < STATISTICS_MAX && spent < plan.seconds);
+}
+
+shb_result bench_measure(bench_work work, bench_clock clock, bench_plan plan, bench_times *times) {
     double samples[STATISTICS_MAX];
     uint32_t repeats;
     double seconds, spent = 0;
     shb_result result = warm_up(work, clock, &repeats, &seconds);
     uint32_t count = 0;
-    while (!result && (count < runs || (count < CHEAP_RUNS_MAX && spent < CHEAP_SECONDS))) {
+    while (!result && wants_more(plan, count, spent)) {
         result = take_sample(work, clock, repeats, &samples[count]);
-        spent += samples[count++] * repeats;
+        if (!result)
+            spent += samples[count++] * repeats;
     }
     if (!result)
         *times = summarize(samples, count);
     return result;
 }
 
-shb_result bench_compare(bench_work first, bench_work second, bench_clock clock, uint32_t runs,
+shb_result bench_compare(bench_work first, bench_work second, bench_clock clock, bench_plan plan,
                          bench_comparison *comparison) {
     double firsts[STATISTICS_MAX], seconds[STATISTICS_MAX];
     uint32_t first_repeats, second_repeats;
-    double warm;
+    double warm, spent = 0;
+    uint32_t count = 0;
     shb_result result = warm_up(first, clock, &first_repeats, &warm);
     if (!result)
         result = warm_up(second, clock, &second_repeats, &warm);
-    for (uint32_t i = 0; !result && i < runs; i++) {
-        result = take_sample(first, clock, first_repeats, &firsts[i]);
+    while (!result && wants_more(plan, count, spent)) {
+        result = take_sample(first, clock, first_repeats, &firsts[count]);
         if (!result)
-            result = take_sample(second, clock, second_repeats, &seconds[i]);
+            result = take_sample(second, clock, second_repeats, &seconds[count]);
+        if (!result) {
+            spent += firsts[count] * first_repeats + seconds[count] * second_repeats;
+            count++;
+        }
     }
     if (result)
         return result;
-    comparison->first = summarize(firsts, runs);
-    comparison->second = summarize(seconds, runs);
-    comparison->ratio = statistics_median_ratio(firsts, seconds, runs);
+    comparison->first = summarize(firsts, count);
+    comparison->second = summarize(seconds, count);
+    comparison->ratio = statistics_median_ratio(firsts, seconds, count);
     comparison->least_ratio = comparison->first.least / comparison->second.least;
     return SHB_OK;
 }

@@ -20,9 +20,15 @@ typedef struct bench_times {
     double median, least; /* seconds a run */
 } bench_times;
 
-/* The median and the least of at least `runs` samples, and of more while they are cheap. A sample
- * of very short work is many runs in a row. One more run goes first, to warm up. */
-shb_result bench_measure(bench_work work, bench_clock clock, uint32_t runs, bench_times *times);
+/* How many samples to take: at least so many, and more as long as they took less than this time. */
+typedef struct bench_plan {
+    uint32_t runs;
+    double seconds;
+} bench_plan;
+
+/* The median and the least of all samples. A sample of very short work is many runs in a row. One
+ * more run goes first, to warm up. */
+shb_result bench_measure(bench_work work, bench_clock clock, bench_plan plan, bench_times *times);
 
 typedef struct bench_comparison {
     bench_times first, second;
@@ -31,7 +37,7 @@ typedef struct bench_comparison {
 } bench_comparison;
 
 /* Both pieces of work by turns, so that each pair of samples sees the same machine. */
-shb_result bench_compare(bench_work first, bench_work second, bench_clock clock, uint32_t runs,
+shb_result bench_compare(bench_work first, bench_work second, bench_clock clock, bench_plan plan,
                          bench_comparison *comparison);
 
 #endif
