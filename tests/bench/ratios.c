@@ -60,7 +60,7 @@ static shb_result create_draw(shb_context *context, const example_scene *scene, 
 static bool measure_draw_ratio(bench_session *session, const draw_ratio *ratio,
                                const example_scene *scene, int index) {
     draw_work first = {0}, second = {0};
-    bench_row row = start_row(ratio->name, drawn_scenes[index], scene, RATIO_SIZE, ratio->second,
+    bench_row row = start_row(ratio->name, drawn_scenes[index], scene, RATIO_SIZE, ratio->first,
                               ratio->goals[index]);
     bool done = session_succeeds(row.stage, create_draw(ratio->first, scene, RATIO_SIZE,
                                                         ratio->first_images, &first)) &&

@@ -109,8 +109,8 @@ void report_stage(bench_session *session, const bench_row *row) {
 void report_heading(bench_session *session, const char *heading) {
     progress_end(&session->progress);
     if (!session->options.tsv)
-        printf("\n%-34s%-16s%6s%9s%10s%10s%10s  %s\n", heading, "scene", "size", "isa", "goal",
-               "measured", "least", "reached");
+        printf("\n%-34s%-16s%6s%9s%12s%10s%10s%10s  %s\n", heading, "scene", "size", "isa", "goal",
+               "measured", "least", "ms", "reached");
 }
 
 void report_goal(bench_session *session, const bench_row *row, const char *unit, double least,
@@ -120,8 +120,8 @@ void report_goal(bench_session *session, const bench_row *row, const char *unit,
     if (session->options.tsv)
         print_tabs(session, row);
     else
-        printf("  %-32s%-16s%6u%9s %s%7.2f%s%10.3f%10.3f  %s\n", row->stage, row->scene, row->size,
-               shb_isa_name(row->isa), at_least ? ">=" : "<=", row->goal, unit, row->measured,
-               least, reached ? "yes" : "no");
+        printf("  %-32s%-16s%6u%9s  %s%6.2f%s%10.3f%10.3f%10.3f  %s\n", row->stage, row->scene,
+               row->size, shb_isa_name(row->isa), at_least ? ">=" : "<=", row->goal, unit,
+               row->measured, least, 1e3 * row->times.median, reached ? "yes" : "no");
     fflush(stdout);
 }

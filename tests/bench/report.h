@@ -30,8 +30,8 @@ void report_stage(bench_session *session, const bench_row *row);
 /* Before goals or ratios. */
 void report_heading(bench_session *session, const char *heading);
 
-/* One row of goals or ratios; unit: what follows the goal; least: of the least times. at_least:
- * larger values reach the goal. */
+/* One row of goals or ratios, whose times are those of the first of a pair; unit: what follows the
+ * goal; least: of the least times. at_least: larger values reach the goal. */
 void report_goal(bench_session *session, const bench_row *row, const char *unit, double least,
                  bool at_least);
 
