@@ -24,6 +24,8 @@ static const char help[] =
     "Made for measuring: height-field, hills, huge, stack, triangle and culled.\n"
     "size is that of the map, or of the picture for camera; the pictures of visibility, shade and\n"
     "frame have 1024 x 1024 pixels, or more until half a million fragments are in sight.\n"
+    "shade has a map of 2048, frame the methods constant and adaptive, unless options name "
+    "others.\n"
     "With one thread, times are its processor time; with more, time on the wall. Medians are\n"
     "of at least 15 runs (5 with --quick); scalar: of 3, or 1 with --quick or above 0.1 s.\n"
     "limit: the time to write the images once by 64-byte stores (visibility, shade and frame: to\n"

@@ -21,6 +21,30 @@ static const light_stage visibility_stage = {"visibility", "hard", light_work_vi
 static const light_stage shade_stage = {"shade", "shade", light_work_shade};
 static const light_stage frame_stage = {"frame", "frame", light_work_frame};
 
+static bool is_among(const char *name, const char *const *names, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(name, names[i]) == 0)
+            return true;
+    return false;
+}
+
+/* A method that --only names is always wanted; else whole frames show the price of two methods, and
+ * shading is measured at one map size. */
+static bool is_wanted(const bench_options *options, const light_stage *stage, const char *method,
+                      uint32_t size) {
+    static const char *const few[] = {"constant", "adaptive", "none", "slope", "receiver-plane"};
+    char name[64];
+    snprintf(name, sizeof name, "%s:%s", stage->prefix, method);
+    if (options->only && strchr(options->only, ':'))
+        return strcmp(options->only, name) == 0;
+    if (!options_want(options, stage->group, name))
+        return false;
+    if (stage == &shade_stage && size != SHADE_MAP_SIZE && !options->size)
+        return false;
+    const size_t count = stage == &frame_stage ? 2 : sizeof few / sizeof *few;
+    return (stage != &frame_stage && !options->quick) || is_among(method, few, count);
+}
+
 /* The camera's picture, made larger until there are fragments enough; empty if none is in sight. */
 static shb_result create_frame(shb_context *context, const example_scene *scene,
                                measure_frame *frame) {
@@ -62,57 +86,47 @@ static bool time_stage(bench_session *session, const light_stage *stage, light_w
     row.limit_seconds = machine_copy_seconds(&session->machine, row.bytes);
     snprintf(row.stage, sizeof row.stage, "%s:%s", stage->prefix, work->bias.name);
     snprintf(row.scene, sizeof row.scene, "%s", title);
-    if (!options_want(&session->options, stage->group, row.stage))
+    if (!is_wanted(&session->options, stage, work->bias.name, info->width))
         return true;
     return stages_measure(session, stage->work(work),
                           scalar ? stage->work(scalar) : (bench_work){0}, &row);
 }
 
-/* Visibility and, at one map size, shading by the method that the work has. */
+/* Visibility and shading by the method that the work has. */
 static bool time_method(bench_session *session, light_work *work, const char *title) {
     light_work scalar = {0};
     if (session->scalar &&
         !session_succeeds(title, light_work_share(session->scalar, work, &scalar)))
         return false;
-    const uint32_t size = shb_map_get_info(work->map)->width;
     light_work *const reference = scalar.context ? &scalar : NULL;
-    bool done = time_stage(session, &visibility_stage, work, reference, title);
-    if (done && (size == SHADE_MAP_SIZE || session->options.size))
-        done = time_stage(session, &shade_stage, work, reference, title);
+    const bool done = time_stage(session, &visibility_stage, work, reference, title) &&
+                      time_stage(session, &shade_stage, work, reference, title);
     light_work_destroy(&scalar);
     return done;
 }
 
-static bool is_wanted(const bench_session *session, const char *method) {
-    static const char *const few[] = {"none", "constant", "slope", "receiver-plane", "adaptive"};
-    if (!session->options.quick)
-        return true;
-    for (size_t i = 0; i < sizeof few / sizeof *few; i++)
-        if (strcmp(method, few[i]) == 0)
-            return true;
-    return false;
-}
-
+/* The wanted methods, by turns on one map. */
 static bool time_methods(bench_session *session, const measure_frame *frame, uint32_t size,
                          const char *title) {
     size_t count;
     const shb_bias_method *methods = shb_bias_methods(&count);
-    const shb_bias none = shb_bias_none();
-    light_work work;
-    if (!session_succeeds(title, light_work_create(session->context, frame, size, &none, &work)))
-        return false;
+    light_work work = {0};
     bool done = true;
     for (size_t i = 0; i < count && done; i++) {
-        if (!is_wanted(session, methods[i].name))
-            continue;
         const shb_bias bias = methods[i].make();
-        done = session_succeeds(title, light_work_set_bias(&work, &bias)) &&
+        if (!is_wanted(&session->options, &visibility_stage, bias.name, size) &&
+            !is_wanted(&session->options, &shade_stage, bias.name, size))
+            continue;
+        done = session_succeeds(title, work.map ? light_work_set_bias(&work, &bias)
+                                                : light_work_create(session->context, frame, size,
+                                                                    &bias, &work)) &&
                time_method(session, &work, title);
     }
     light_work_destroy(&work);
     return done;
 }
 
+/* Both contexts draw maps of their own. */
 static bool time_frame(bench_session *session, const measure_frame *frame, uint32_t size,
                        const shb_bias *bias, const char *title) {
     light_work work, scalar = {0};
@@ -128,20 +142,27 @@ static bool time_frame(bench_session *session, const measure_frame *frame, uint3
     return done;
 }
 
+static bool time_frames(bench_session *session, const measure_frame *frame, uint32_t size,
+                        const char *title) {
+    size_t count;
+    const shb_bias_method *methods = shb_bias_methods(&count);
+    bool done = true;
+    for (size_t i = 0; i < count && done; i++) {
+        const shb_bias bias = methods[i].make();
+        if (is_wanted(&session->options, &frame_stage, bias.name, size))
+            done = time_frame(session, frame, size, &bias, title);
+    }
+    return done;
+}
+
 static bool time_sizes(bench_session *session, const measure_frame *frame, const char *title) {
-    const shb_bias methods[] = {shb_bias_methods(NULL)[1].make(), shb_bias_adaptive(1e-4f, 0)};
-    const bench_options *options = &session->options;
     const uint32_t *sizes;
-    const size_t count = options_sizes(options, &sizes);
-    const bool by_method =
-        options_want(options, "visibility", NULL) || options_want(options, "shade", NULL);
+    const size_t count = options_sizes(&session->options, &sizes);
     for (size_t i = 0; i < count; i++) {
         progress_step(&session->progress, title);
-        if (by_method && !time_methods(session, frame, sizes[i], title))
+        if (!time_methods(session, frame, sizes[i], title) ||
+            !time_frames(session, frame, sizes[i], title))
             return false;
-        for (size_t k = 0; k < 2 && options_want(options, "frame", NULL); k++)
-            if (!time_frame(session, frame, sizes[i], &methods[k], title))
-                return false;
     }
     return true;
 }
