@@ -4,6 +4,7 @@
 
 #include "format.h"
 #include "half.h"
+#include "lists.h"
 #include "occluders.h"
 #include "project.h"
 
@@ -125,9 +126,26 @@ static void ask_planes(const shb_map *map, size_t lanes, const shb_receivers *re
     }
 }
 
+static void ask_lists(const shb_lists *lists, size_t count, const shb_receivers *receivers,
+                      float *visibility) {
+    double x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH];
+    for (size_t i = 0; i < count; i++) {
+        x[i] = (double)receivers->x[i];
+        y[i] = (double)receivers->y[i];
+        z[i] = (double)receivers->z[i];
+    }
+    const shb_list_points points = {
+        .count = count, .x = x, .y = y, .z = z, .rounding = SHB_FLOAT_ROUNDING};
+    shb_lists_query(lists, &points, visibility);
+}
+
 void shb_exact_visibility(const shb_map *map, size_t count, const shb_receivers *receivers,
                           float *visibility) {
     const size_t lanes = shb_round_to_lanes(count);
+    if (map->lists) {
+        ask_lists(map->lists, lanes, receivers, visibility);
+        return;
+    }
     if (map->occluders.held) {
         ask_planes(map, lanes, receivers, visibility);
         return;

@@ -3,6 +3,7 @@
 #include "map.h"
 
 #include "format.h"
+#include "lists.h"
 #include "occluders.h"
 #include "project.h"
 
@@ -212,6 +213,7 @@ void shb_map_destroy(shb_map *map) {
     if (map->owned)
         shb_free(map->context, map->depth.texels);
     shb_occluders_destroy(map);
+    shb_lists_destroy(map->lists);
     shb_free(map->context, map);
 }
 

@@ -50,6 +50,7 @@ struct shb_map {
     shb_projection projection;
     shb_light_rows rows;
     shb_occluder_data occluders;
+    struct shb_lists *lists; /* of the latest drawing, or NULL */
     shb_depth_image depth;
     bool owned;    /* texels were allocated by the map */
     bool empty;    /* owned and not drawn yet: serves every method */

@@ -4,6 +4,7 @@
 #include "map.h"
 
 #include "format.h"
+#include "lists.h"
 #include "occluders.h"
 #include "scene.h"
 
@@ -77,6 +78,16 @@ static bool keeps_occluders(const shb_map *map, const shb_bias *bias) {
     return map->info.occluders && (!bias || bias->needs & SHB_NEEDS_OCCLUDERS);
 }
 
+/* lists NULL: none. */
+static void set_lists(shb_map *map, shb_lists *lists) {
+    if (map->lists)
+        map->info.memory_bytes -= map->lists->memory_bytes;
+    shb_lists_destroy(map->lists);
+    map->lists = lists;
+    if (lists)
+        map->info.memory_bytes += lists->memory_bytes;
+}
+
 shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                         shb_draw_stats *stats) {
     if (!map)
@@ -95,7 +106,7 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
                           .depth = map->depth,
                           .flip_culling = bias && (bias->needs & SHB_NEEDS_FLIPPED)};
     const bool combines = bias && bias->combine;
-    layers drawn;
+    layers drawn = {0};
     if (combines) {
         if (!reserve_layers(map, &drawn))
             return shb_fail(map->context, SHB_ERROR_MEMORY,
@@ -106,7 +117,16 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
     }
     shb_occluder_data occluders = {0};
     const bool keeps = keeps_occluders(map, bias);
-    if (keeps) {
+    const bool keeps_lists = keeps && map->info.occluders == SHB_OCCLUDERS_LISTS;
+    const bool keeps_texels = keeps && !keeps_lists;
+    shb_lists *lists = NULL;
+    if (keeps_lists) {
+        result = shb_lists_build(map->context, "shb_map_draw", &map->info.view, map->info.width,
+                                 map->info.height, scene, 0, &lists);
+        if (result != SHB_OK)
+            return result;
+    }
+    if (keeps_texels) {
         if (!shb_occluders_prepare(map, scene, &occluders))
             return shb_fail(map->context, SHB_ERROR_MEMORY,
                             "shb_map_draw: no memory for the occluders of %llu triangles",
@@ -116,14 +136,16 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
     }
     result = shb_draw(map->context, &desc, stats);
     if (result != SHB_OK) {
-        if (keeps)
+        if (keeps_texels)
             shb_occluders_release(map->context, &occluders);
+        shb_lists_destroy(lists);
         return result;
     }
     if (combines)
         combine_rows(map, bias, &drawn);
-    if (keeps)
+    if (keeps_texels)
         shb_occluders_finish(map, &occluders);
+    set_lists(map, lists);
     map->occluders.held = keeps;
     map->info.scene_scale = scene_scale;
     shb_map_set_method(map, bias);

@@ -53,7 +53,7 @@ static double choose_slope_unit(const shb_map *map) {
 bool shb_occluders_create(shb_map *map) {
     shb_occluder_data *data = &map->occluders;
     map->rows = light_rows(map);
-    if (map->info.occluders == SHB_OCCLUDERS_NONE)
+    if (map->info.occluders == SHB_OCCLUDERS_NONE || map->info.occluders == SHB_OCCLUDERS_LISTS)
         return true;
     data->slope_unit = choose_slope_unit(map);
     data->stride = ((size_t)map->info.width * sizeof(uint32_t) + 63) / 64 * 64 + 64;

@@ -5,8 +5,11 @@
 
 #include <string.h>
 
-static bool needs_normals(const shb_bias *bias) {
-    return (bias->needs & (SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE | SHB_NEEDS_OCCLUDERS)) != 0;
+/* Lists answer by positions alone. */
+static bool needs_normals(const shb_map *map, const shb_bias *bias) {
+    const bool by_planes =
+        bias->needs & SHB_NEEDS_OCCLUDERS && map->info.occluders != SHB_OCCLUDERS_LISTS;
+    return by_planes || bias->needs & (SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE);
 }
 
 static const char *name_of(const shb_bias *bias) {
@@ -53,7 +56,7 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
                         (unsigned)bias->needs);
     if (filter && !filter->filter)
         return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: filter.filter is NULL", caller);
-    if (needs_normals(bias) && !has_normals)
+    if (needs_normals(map, bias) && !has_normals)
         return shb_fail(context, SHB_ERROR_UNSUPPORTED,
                         "%s: the method \"%s\" needs normals and points.normals is NULL", caller,
                         name_of(bias));
@@ -156,7 +159,7 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
         const size_t left = points->count - first;
         const size_t count = left < SHB_BATCH ? left : SHB_BATCH;
         load(points->positions, position_stride, first, count, batch.x, batch.y, batch.z);
-        if (needs_normals(bias))
+        if (needs_normals(map, bias))
             load(points->normals, normal_stride, first, count, batch.normal_x, batch.normal_y,
                  batch.normal_z);
         shb_visibility_batch(map, bias, filter ? filter : &hard, count, &batch, batch_visibility);

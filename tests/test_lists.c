@@ -615,3 +615,46 @@ TEST(lists_without_memory_fail_and_leak_nothing) {
     shb_context_destroy(context);
     soup_free(&s);
 }
+
+TEST(a_map_with_lists_answers_as_rays_without_normals) {
+    soup s = {0};
+    const float ground_lo[3] = {-2, -2, -1}, ground_hi[3] = {2, 2, 0};
+    soup_add_box(&s, ground_lo, ground_hi);
+    const float lo[3] = {-0.4f, -0.3f, 0}, hi[3] = {0.5f, 0.4f, 1};
+    soup_add_box(&s, lo, hi);
+    const shb_scene *scene = soup_scene(&s);
+    shb_context *context = make_context(1);
+    shb_box box;
+    CHECK_INT(shb_scene_bounds(scene, &box), SHB_OK);
+    const shb_map_desc desc = {
+        .view = view_of(&slanted, box, 16, true), .width = 16, .occluders = SHB_OCCLUDERS_LISTS};
+    shb_map *map = NULL;
+    CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+    const size_t before = shb_map_get_info(map)->memory_bytes;
+    for (int draw = 0; draw < 2; draw++)
+        CHECK_INT(shb_map_draw(map, scene, NULL, NULL), SHB_OK);
+    CHECK(shb_map_get_info(map)->memory_bytes > before);
+
+    shb_reference *reference = NULL;
+    CHECK_INT(shb_reference_create(context, scene, &reference), SHB_OK);
+    samples points = samples_create(scene, 3000, 12);
+    find_truth(reference, &desc.view, &points);
+    float *positions = malloc(points.count * 3 * sizeof *positions);
+    for (size_t i = 0; i < points.count; i++) {
+        positions[3 * i] = (float)points.x[i];
+        positions[3 * i + 1] = (float)points.y[i];
+        positions[3 * i + 2] = (float)points.z[i];
+    }
+    const shb_points asked = {.count = points.count, .positions = positions};
+    const shb_bias exact = shb_bias_exact();
+    CHECK_INT(shb_map_visibility(map, &asked, &exact, NULL, points.visibility), SHB_OK);
+    CHECK(count_occluded(&points) > 300);
+    CHECK_INT(count_false_shadow(&points), 0);
+    CHECK(count_false_light(&points) <= 4); /* the ground under the box: contact */
+    free(positions);
+    samples_free(&points);
+    shb_reference_destroy(reference);
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
