@@ -7,54 +7,46 @@
 
 #include <string.h>
 
-/* An edge at the first sample of a box, with 256 divided out. */
-typedef struct edge {
-    int64_t value, per_column, per_row;
-    int32_t from_y, to_y;
-} edge;
+/* Samples of a row that are drawn at a time. */
+#define RUN_SAMPLES 256
 
-static edge edge_at(const shb_shape *shape, size_t a, size_t b, shb_samples box) {
-    const int64_t dx = (int64_t)shape->snapped_x[b] - shape->snapped_x[a];
-    const int64_t dy = (int64_t)shape->snapped_y[b] - shape->snapped_y[a];
-    const int64_t px = (int64_t)box.first_column * SHB_SUBPIXELS + SHB_SUBPIXELS / 2;
-    const int64_t py = (int64_t)box.first_row * SHB_SUBPIXELS + SHB_SUBPIXELS / 2;
-    const int64_t e = dx * (py - shape->snapped_y[a]) - dy * (px - shape->snapped_x[a]);
-    const int64_t bias = dy < 0 ? 0 : -1;
-    return (edge){(e + bias) >> 8, -dy, dx, shape->snapped_y[a], shape->snapped_y[b]};
-}
-
-/* What the edge adds to the winding number of the sample i columns and j rows from the first one.
- */
-static int winding_of(const edge *e, int32_t py, int64_t i, int64_t j) {
-    const bool starts_above = e->from_y <= py, ends_above = e->to_y <= py;
-    const bool is_inside = e->value + e->per_row * j + e->per_column * i >= 0;
-    if (!starts_above && ends_above)
-        return is_inside;
-    if (starts_above && !ends_above)
-        return -!is_inside;
-    return 0;
-}
-
-static bool is_covered(const edge *edges, size_t count, int32_t py, int64_t i, int64_t j) {
-    int winding = 0;
-    for (size_t k = 0; k < count; k++)
-        winding += winding_of(&edges[k], py, i, j);
-    return winding > 0;
+static void merge_depths(size_t count, const float *restrict z, float *restrict nearest) {
+    for (size_t i = 0; i < count; i++)
+        nearest[i] = z[i] < nearest[i] ? z[i] : nearest[i];
 }
 
 /* SHB_ID_NONE is negative, so that no triangle replaces it at equal, that is at far, depth. */
-static void put_sample(const shb_layers *layers, size_t at, float z, uint32_t id) {
-    const float nearest = layers->nearest[at];
-    const bool closer = z < nearest;
-    if (layers->ids && (closer || (z == nearest && (int32_t)id < (int32_t)layers->ids[at])))
-        layers->ids[at] = id;
-    if (layers->second) {
-        const float loser = closer ? nearest : z;
-        if (loser < layers->second[at])
-            layers->second[at] = loser;
+static void merge_ids(size_t count, const float *restrict z, const float *restrict nearest,
+                      int32_t id, int32_t *restrict ids) {
+    for (size_t i = 0; i < count; i++) {
+        const int32_t equal = id < ids[i] ? id : ids[i];
+        const int32_t closer = z[i] < nearest[i] ? id : ids[i];
+        ids[i] = z[i] == nearest[i] ? equal : closer;
     }
-    if (closer)
-        layers->nearest[at] = z;
+}
+
+static void merge_second(size_t count, const float *restrict z, const float *restrict nearest,
+                         float *restrict second) {
+    for (size_t i = 0; i < count; i++) {
+        const float loser = z[i] < nearest[i] ? nearest[i] : z[i];
+        second[i] = loser < second[i] ? loser : second[i];
+    }
+}
+
+/* At most RUN_SAMPLES samples of a row, from the one at column and row on. */
+static void draw_run(const shb_layers *layers, const shb_plane *plane, const shb_shape *shape,
+                     int32_t row, int32_t column, size_t count, uint32_t id) {
+    float z[RUN_SAMPLES];
+    shb_plane_depths(plane, column - shape->samples.first_column, row - shape->samples.first_row,
+                     count, z);
+    const size_t at = (size_t)(row - layers->samples.first_row) * layers->pitch +
+                      (size_t)(column - layers->samples.first_column);
+    if (layers->ids)
+        merge_ids(count, z, layers->nearest + at, (int32_t)id,
+                  (int32_t *)(void *)(layers->ids + at));
+    if (layers->second)
+        merge_second(count, z, layers->nearest + at, layers->second + at);
+    merge_depths(count, z, layers->nearest + at);
 }
 
 void shb_layers_draw(const shb_layers *layers, const shb_target *target, const shb_shape *shape,
@@ -63,20 +55,16 @@ void shb_layers_draw(const shb_layers *layers, const shb_target *target, const s
     if (shb_samples_are_empty(box))
         return;
     const shb_plane plane = shb_plane_of(target, shape);
-    edge edges[SHB_POLYGON_MAX];
-    for (size_t i = 0; i < shape->count; i++)
-        edges[i] = edge_at(shape, i, (i + 1) % shape->count, box);
+    const shb_cover cover = shb_cover_of(shape, box);
     for (int32_t row = box.first_row; row <= box.last_row; row++) {
-        const int32_t py = row * SHB_SUBPIXELS + SHB_SUBPIXELS / 2;
-        const size_t line = (size_t)(row - layers->samples.first_row) * layers->pitch;
-        for (int32_t column = box.first_column; column <= box.last_column; column++) {
-            if (!is_covered(edges, shape->count, py, column - box.first_column,
-                            row - box.first_row))
-                continue;
-            const float z = shb_plane_depth(&plane, column - shape->samples.first_column,
-                                            row - shape->samples.first_row);
-            put_sample(layers, line + (size_t)(column - layers->samples.first_column), z, id);
-        }
+        shb_run runs[SHB_RUNS_MAX];
+        const size_t count = shb_cover_row(&cover, row, runs);
+        for (size_t i = 0; i < count; i++)
+            for (int32_t first = runs[i].first; first < runs[i].end; first += RUN_SAMPLES) {
+                const int32_t left = runs[i].end - first;
+                draw_run(layers, &plane, shape, row, first,
+                         (size_t)(left < RUN_SAMPLES ? left : RUN_SAMPLES), id);
+            }
     }
 }
 

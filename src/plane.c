@@ -104,3 +104,28 @@ shb_plane shb_plane_of(const shb_target *target, const shb_shape *shape) {
     plane.hi = plane.hi < SHB_DEPTH_CEILING ? plane.hi : SHB_DEPTH_CEILING;
     return plane;
 }
+
+static void depths_plain(const shb_plane *plane, int32_t i, int32_t j, size_t count,
+                         float *restrict depths) {
+    const float base = (float)plane->z0 + (float)plane->gy * (float)j, gx = (float)plane->gx;
+    for (int32_t k = 0; k < (int32_t)count; k++)
+        depths[k] = base + gx * (float)(i + k);
+}
+
+static void depths_careful(const shb_plane *plane, int32_t i, int32_t j, size_t count,
+                           float *restrict depths) {
+    const double base = plane->z0 + plane->gy * j, gx = plane->gx;
+    const double lo = plane->lo, hi = plane->hi;
+    for (int32_t k = 0; k < (int32_t)count; k++) {
+        const double z = base + gx * (double)(i + k);
+        const double above = z > lo ? z : lo;
+        depths[k] = (float)(above < hi ? above : hi);
+    }
+}
+
+void shb_plane_depths(const shb_plane *plane, int32_t i, int32_t j, size_t count, float *depths) {
+    if (plane->is_plain)
+        depths_plain(plane, i, j, count, depths);
+    else
+        depths_careful(plane, i, j, count, depths);
+}

@@ -55,14 +55,8 @@ typedef struct shb_plane {
 /* The plane of a drawn shape. */
 shb_plane shb_plane_of(const shb_target *target, const shb_shape *shape);
 
-/* Canonical depth at the sample i columns and j rows from the anchor. */
-static inline float shb_plane_depth(const shb_plane *plane, int32_t i, int32_t j) {
-    if (plane->is_plain)
-        return ((float)plane->z0 + (float)plane->gy * (float)j) + (float)plane->gx * (float)i;
-    double z = (plane->z0 + plane->gy * j) + plane->gx * i;
-    z = z > plane->lo ? z : plane->lo;
-    z = z < plane->hi ? z : plane->hi;
-    return (float)z;
-}
+/* Canonical depths of count samples of a row: the first one lies i columns and j rows from the
+ * anchor. */
+void shb_plane_depths(const shb_plane *plane, int32_t i, int32_t j, size_t count, float *depths);
 
 #endif
