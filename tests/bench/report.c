@@ -68,6 +68,14 @@ static bench_row scalar_row(const bench_row *row) {
     return scalar;
 }
 
+/* Nine characters and a space before them, digits as far as they fit. */
+static void print_cost(double value) {
+    if (value < 1e5)
+        printf(" %9.2f", value);
+    else
+        printf(" %9.3g", value);
+}
+
 static void print_columns(const bench_session *session, const bench_row *row) {
     const double ms = 1e3 * row->times.median;
     const double ns = 1e9 * row->times.median / row->items;
@@ -76,15 +84,17 @@ static void print_columns(const bench_session *session, const bench_row *row) {
         printf("%9s", "-");
     else
         printf("%9.1f", (double)row->triangles / ms * 1e-3);
-    printf("%10.0f%9.2f%9.1f%7.1f%8.1f%%", row->texels / ms * 1e-3, ns, ns * ghz(session),
-           row->bytes / row->texels, 100 * row->limit_seconds / row->times.median);
+    printf("%10.0f", row->texels / ms * 1e-3);
+    print_cost(ns);
+    print_cost(ns * ghz(session));
+    printf("%7.1f%8.1f%%", row->bytes / row->texels, 100 * row->limit_seconds / row->times.median);
     if (row->scalar.median > 0)
         printf("%11.3f%8.1f", 1e3 * row->scalar.median, row->scalar.median / row->times.median);
     printf("\n");
 }
 
 static void print_scene_heading(bench_session *session, const bench_row *row) {
-    printf("\n%s, %llu triangles\n  %-24s%6s%10s%10s%9s%10s%9s%9s%7s%9s%11s%8s\n", row->scene,
+    printf("\n%s, %llu triangles\n  %-24s%6s%10s%10s%9s%10s%10s%10s%7s%9s%11s%8s\n", row->scene,
            (unsigned long long)row->triangles, "stage", "size", "ms", "least", "Mtri/s", "Mtexel/s",
            "ns/item", "cyc/item", "B/tex", "limit", "scalar ms", "times");
     snprintf(session->heading, sizeof session->heading, "%s", row->scene);
