@@ -73,7 +73,7 @@ static void add_rock(example_scene *scene) {
         points[(rings - 1) * sectors + sector] = points[(rings - 1) * sectors];
     }
     owned_mesh *mesh = scene_add_mesh(scene);
-    shape_grid(mesh, points, sectors, rings, true);
+    shape_grid(mesh, points, (uint32_t)sectors, (uint32_t)rings, true);
     scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, &rock);
 }
 
