@@ -1,4 +1,5 @@
-# libshadowbias: make, make demo, make check, make bench, make install.
+# libshadowbias: make, make demo, make check, make bench,
+#   make stability, make install.
 #   config=release|debug|sanitize|coverage   V=1 shows the commands   CC=clang   CFLAGS, PREFIX, DESTDIR
 
 CC ?= cc
@@ -31,9 +32,10 @@ SUPPORT_SRC := $(wildcard examples/support/*.c)
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/%,$(wildcard examples/*.c))
 TEST_SRC := $(wildcard tests/*.c tests/support/*.c)
 BENCH_SRC := $(wildcard tests/bench/*.c)
+STABILITY_SRC := $(wildcard tests/stability/*.c)
 
 object = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
-OBJECTS := $(call object,$(LIB_SRC) $(SUPPORT_SRC) $(TEST_SRC) $(BENCH_SRC) $(wildcard examples/*.c))
+OBJECTS := $(call object,$(LIB_SRC) $(SUPPORT_SRC) $(TEST_SRC) $(BENCH_SRC) $(STABILITY_SRC) $(wildcard examples/*.c))
 
 all: $(LIBRARY) $(EXAMPLES)
 
@@ -44,10 +46,14 @@ $(LIBRARY): $(call object,$(LIB_SRC))
 $(EXAMPLES): $(BUILD)/%: $(BUILD)/obj/examples/%.o $(call object,$(SUPPORT_SRC)) $(LIBRARY)
 	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
 
-$(BUILD)/check: $(call object,$(TEST_SRC) $(SUPPORT_SRC)) $(LIBRARY)
+$(BUILD)/check: $(call object,$(TEST_SRC) $(SUPPORT_SRC) \
+		$(filter-out %/stability.c,$(STABILITY_SRC))) $(LIBRARY)
 	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
 
 $(BUILD)/bench: $(call object,$(BENCH_SRC) $(SUPPORT_SRC)) $(LIBRARY)
+	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
+
+$(BUILD)/stability: $(call object,$(STABILITY_SRC) $(SUPPORT_SRC)) $(LIBRARY)
 	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
 
 # Objects depend on the commands that made them, so that another CC or CFLAGS rebuilds.
@@ -68,6 +74,10 @@ check: $(BUILD)/check $(EXAMPLES)
 bench: $(BUILD)/bench
 	$(Q)$(BUILD)/bench
 
+stability: $(BUILD)/stability
+	$(Q)mkdir -p $(BUILD)/out
+	$(Q)$(BUILD)/stability --out $(BUILD)/out
+
 install: $(LIBRARY)
 	$(Q)mkdir -p $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include/shadowbias
 	$(Q)cp $(LIBRARY) $(DESTDIR)$(PREFIX)/lib/
@@ -80,5 +90,5 @@ clean:
 format:
 	$(Q)clang-format -i $$(git ls-files '*.c' '*.h' '*.inl')
 
-.PHONY: all demo check bench install clean format
+.PHONY: all demo check bench stability install clean format
 -include $(OBJECTS:.o=.d)

@@ -1,0 +1,64 @@
+#include "report.h"
+
+#include "shadowbias/bias.h"
+
+static const char *format_name(shb_format format) {
+    return format == SHB_FORMAT_UNORM24   ? "unorm24"
+           : format == SHB_FORMAT_UNORM16 ? "unorm16"
+                                          : "float32";
+}
+
+static void print_rates(FILE *stream, const char *method, stability_setting setting,
+                        const stability_rates *rates) {
+    fprintf(stream, "%s\t%s\t%llu\t%llu\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f\n", method,
+            stability_setting_name(setting), (unsigned long long)rates->lit,
+            (unsigned long long)rates->shadowed, rates->false_shadow_far, rates->false_light_far,
+            rates->false_shadow_near, rates->false_light_near, rates->wrong);
+}
+
+static void print_row(FILE *stream, const stability_row *row) {
+    const stability_case *c = row->subject;
+    fprintf(stream, "%s\t%s\t%s%s\t%u\t", c->name, c->group, format_name(c->format),
+            c->reversed ? "-reversed" : "",
+            (unsigned)(c->map_size ? c->map_size : STABILITY_MAP_SIZE));
+    print_rates(stream, row->method, row->setting, &row->rates);
+}
+
+void stability_print_tsv(FILE *stream, const stability_rows *rows) {
+    fprintf(stream, "case\tgroup\tformat\tmap_size\tmethod\tsetting\tlit\tshadowed\tfs_far_ppm\t"
+                    "fl_far_ppm\tfs_near_ppm\tfl_near_ppm\twrong_ppm\n");
+    for (size_t i = 0; i < rows->count; i++)
+        print_row(stream, &rows->rows[i]);
+    size_t count;
+    const shb_bias_method *methods = shb_bias_methods(&count);
+    for (size_t i = 0; i < count; i++)
+        for (stability_setting s = STABILITY_DEFAULT; s < STABILITY_SETTINGS; s++) {
+            const stability_row *worst;
+            const stability_rates mean = stability_rows_mean(rows, methods[i].name, s, &worst);
+            if (!worst)
+                continue;
+            fprintf(stream, "ALL\tALL\t-\t-\t");
+            print_rates(stream, methods[i].name, s, &mean);
+        }
+}
+
+void stability_print_means(FILE *stream, const stability_rows *rows) {
+    fprintf(stream, "means over cases, ppm; far and near: from true shadow boundaries\n");
+    fprintf(stream, "%-16s %-8s %10s %10s %10s %10s %10s  %s\n", "method", "setting", "false",
+            "false", "false", "false", "wrong", "worst case");
+    fprintf(stream, "%-16s %-8s %10s %10s %10s %10s %10s\n", "", "", "shadow far", "light far",
+            "shad. near", "light near", "in all");
+    size_t count;
+    const shb_bias_method *methods = shb_bias_methods(&count);
+    for (size_t i = 0; i < count; i++)
+        for (stability_setting s = STABILITY_DEFAULT; s < STABILITY_SETTINGS; s++) {
+            const stability_row *worst;
+            const stability_rates mean = stability_rows_mean(rows, methods[i].name, s, &worst);
+            if (!worst)
+                continue;
+            fprintf(stream, "%-16s %-8s %10.1f %10.1f %10.1f %10.1f %10.1f  %s %.0f\n",
+                    methods[i].name, stability_setting_name(s), mean.false_shadow_far,
+                    mean.false_light_far, mean.false_shadow_near, mean.false_light_near, mean.wrong,
+                    worst->subject->name, worst->rates.wrong);
+        }
+}

@@ -1,0 +1,16 @@
+/* Tables of results. */
+#ifndef STABILITY_REPORT_H
+#define STABILITY_REPORT_H
+
+#include "rows.h"
+
+#include <stdio.h>
+
+/* Every row, tab-separated below a line of names; at the end the means of each method, as group and
+ * case "ALL". */
+void stability_print_tsv(FILE *stream, const stability_rows *rows);
+
+/* The means and the worst case of each method, for people. */
+void stability_print_means(FILE *stream, const stability_rows *rows);
+
+#endif

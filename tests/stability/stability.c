@@ -1,0 +1,93 @@
+/* stability: every bias method in many cases, with the papers' parameters and with parameters
+ * tuned to the case, against the truth. */
+#include "arguments.h"
+#include "heat_map.h"
+#include "report.h"
+#include "suite.h"
+#include "tool.h"
+
+#include "shadowbias/bias.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static bool find_method(const char *name) {
+    size_t count;
+    const shb_bias_method *methods = shb_bias_methods(&count);
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(methods[i].name, name) == 0)
+            return true;
+    fprintf(stderr, "stability: --method: there is no \"%s\"\n", name);
+    return false;
+}
+
+static bool find_case(const char *name) {
+    const stability_case *c = stability_case_named(name);
+    if (c && stability_case_exists(c))
+        return true;
+    fprintf(stderr,
+            c ? "stability: --case: the file of \"%s\" is missing\n"
+              : "stability: --case: there is no \"%s\"\n",
+            name);
+    return false;
+}
+
+static bool write_files(const char *directory, const stability_rows *rows) {
+    char path[1024];
+    mkdir(directory, 0777);
+    if (snprintf(path, sizeof path, "%s/stability.tsv", directory) >= (int)sizeof path) {
+        fprintf(stderr, "stability: --out: the path is too long\n");
+        return false;
+    }
+    FILE *file = fopen(path, "w");
+    if (file)
+        stability_print_tsv(file, rows);
+    if (!file || fclose(file) != 0)
+        return tool_succeeds("stability", path, SHB_ERROR_FILE);
+    return tool_succeeds("stability", directory, heat_map_write(rows, directory));
+}
+
+static int run(const stability_options *options) {
+    shb_context *context = tool_create_context("stability", 0, SHB_ISA_BEST);
+    stability_rows rows = {0};
+    bool done = context && stability_run(context, options, &rows);
+    if (done && options->tsv)
+        stability_print_tsv(stdout, &rows);
+    else if (done)
+        stability_print_means(stdout, &rows);
+    if (done && options->directory)
+        done = write_files(options->directory, &rows);
+    stability_rows_free(&rows);
+    shb_context_destroy(context);
+    return done && fflush(stdout) == 0 ? TOOL_OK : TOOL_FAILED;
+}
+
+int main(int argc, char **argv) {
+    stability_options options = {0};
+    bool help = false;
+    const argument_spec arguments[] = {
+        {"--quick", NULL, "few cases, small frames", ARGUMENT_FLAG, &options.quick, 0, 0},
+        {"--method", "NAME", "only this bias method", ARGUMENT_TEXT, &options.method, 0, 0},
+        {"--case", "NAME", "only this case", ARGUMENT_TEXT, &options.subject, 0, 0},
+        {"--tsv", NULL, "print every row, tab-separated", ARGUMENT_FLAG, &options.tsv, 0, 0},
+        {"--out", "DIR", "write stability.tsv, heat.ppm and heat.svg", ARGUMENT_TEXT,
+         &options.directory, 0, 0},
+        {"--help", NULL, "print this", ARGUMENT_FLAG, &help, 0, 0},
+    };
+    const size_t count = sizeof arguments / sizeof *arguments;
+    char error[256];
+    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
+        fprintf(stderr, "stability: %s\n", error);
+        return TOOL_USAGE;
+    }
+    if (help) {
+        printf("usage: stability [options]\n");
+        arguments_print(stdout, arguments, count);
+        return TOOL_OK;
+    }
+    if ((options.method && !find_method(options.method)) ||
+        (options.subject && !find_case(options.subject)))
+        return TOOL_USAGE;
+    return run(&options);
+}

@@ -1,0 +1,33 @@
+/* A case ready to be asked: its scene, what the camera sees of it, and the truth. */
+#ifndef STABILITY_STAGE_H
+#define STABILITY_STAGE_H
+
+#include "cases.h"
+#include "measure.h"
+
+/* Fragments that meet the light at a smaller cosine do not count, in all cases. */
+#define STABILITY_MIN_COSINE 0.02
+
+typedef struct stability_stage {
+    shb_context *context;
+    example_scene *scene;
+    measure_frame frame;
+    shb_map_desc map; /* the light */
+    uint8_t *truth;   /* one a fragment */
+} stability_stage;
+
+/* False if the case has no file here; the result tells of other failures. On failure *stage is
+ * empty. */
+bool stability_case_exists(const stability_case *c);
+shb_result stability_stage_open(shb_context *context, const stability_case *c, uint32_t width,
+                                uint32_t height, stability_stage *stage);
+void stability_stage_close(stability_stage *stage);
+
+/* Draws a map of the stage's light for a method into *map, which the caller destroys. */
+shb_result stability_draw_map(const stability_stage *stage, const shb_bias *bias, shb_map **map);
+
+/* The errors of a method that asks a map drawn for it. */
+shb_result stability_judge(stability_stage *stage, const shb_map *map, const shb_bias *bias,
+                           shb_errors *errors);
+
+#endif

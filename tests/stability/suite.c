@@ -1,0 +1,87 @@
+#include "suite.h"
+
+#include "progress.h"
+#include "stopwatch.h"
+#include "tool.h"
+
+#include <stdio.h>
+#include <string.h>
+
+bool stability_wants_method(const stability_options *options, const char *name) {
+    return !options->method || strcmp(options->method, name) == 0;
+}
+
+bool stability_wants_case(const stability_options *options, const stability_case *c) {
+    if (options->subject)
+        return strcmp(options->subject, c->name) == 0 && stability_case_exists(c);
+    return (c->quick || !options->quick) && stability_case_exists(c);
+}
+
+static bool add_row(stability_rows *rows, const stability_case *c, const char *method,
+                    stability_setting setting, const shb_errors *errors) {
+    return stability_rows_add(rows,
+                              (stability_row){c, method, setting, stability_rates_of(errors)});
+}
+
+/* Both settings of a method. A method whose kind of map cannot be made is left out. */
+static shb_result run_method(stability_stage *stage, const stability_case *c,
+                             const shb_bias_method *method, stability_rows *rows) {
+    shb_bias bias = method->make();
+    shb_errors errors;
+    shb_result result = stability_measure(stage, &bias, &errors);
+    if (result == SHB_ERROR_UNSUPPORTED)
+        return SHB_OK;
+    if (!result && !add_row(rows, c, method->name, STABILITY_DEFAULT, &errors))
+        return SHB_ERROR_MEMORY;
+    if (!result && method->param_names[0])
+        result = stability_tune(stage, &bias, &errors);
+    if (!result && !add_row(rows, c, method->name, STABILITY_TUNED, &errors))
+        return SHB_ERROR_MEMORY;
+    return result;
+}
+
+static bool run_case(shb_context *context, const stability_options *options,
+                     const stability_case *c, stability_rows *rows) {
+    const uint32_t width = options->quick ? 160 : 320, height = options->quick ? 120 : 240;
+    size_t count;
+    const shb_bias_method *methods = shb_bias_methods(&count);
+    stability_stage stage;
+    shb_result result = stability_stage_open(context, c, width, height, &stage);
+    for (size_t i = 0; i < count && !result; i++)
+        if (stability_wants_method(options, methods[i].name))
+            result = run_method(&stage, c, &methods[i], rows);
+    stability_stage_close(&stage);
+    return tool_succeeds("stability", c->name, result);
+}
+
+static size_t count_cases(const stability_options *options) {
+    size_t count = 0;
+    const stability_case *c;
+    for (size_t i = 0; (c = stability_case_at(i)) != NULL; i++)
+        count += stability_wants_case(options, c);
+    return count;
+}
+
+static void show_progress(progress_line *progress, const stability_case *c) {
+    char step[96];
+    const double elapsed = stopwatch_seconds() - progress->start;
+    const size_t done = progress->done, rest = progress->total - done;
+    snprintf(step, sizeof step, "%s, %.0f s left", c->name,
+             done ? elapsed * (double)rest / (double)done : 0.0);
+    progress_step(progress, step);
+}
+
+bool stability_run(shb_context *context, const stability_options *options, stability_rows *rows) {
+    progress_line progress;
+    progress_begin(&progress, count_cases(options));
+    bool succeeds = true;
+    const stability_case *c;
+    for (size_t i = 0; succeeds && (c = stability_case_at(i)) != NULL; i++) {
+        if (!stability_wants_case(options, c))
+            continue;
+        show_progress(&progress, c);
+        succeeds = run_case(context, options, c, rows);
+    }
+    progress_end(&progress);
+    return succeeds;
+}
