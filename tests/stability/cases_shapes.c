@@ -5,6 +5,7 @@
 #include "shapes.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static void add_ground(owned_mesh *mesh) {
     shape_quad(mesh, (shb_vec3){-1, 0, 1}, (shb_vec3){1, 0, 1}, (shb_vec3){1, 0, -1},
@@ -33,27 +34,29 @@ static void build_stairs(owned_mesh *seen, owned_mesh *unseen, double value) {
                   (shb_vec3){1 - 2.0 * i / count, 1.2 * (i + 1) / count, 0.8});
 }
 
-/* Treads and risers of a sheet. */
+/* Treads and risers of a sheet; value: number of steps, negative if they climb to the light. */
 static void build_stair_sheet(owned_mesh *seen, owned_mesh *unseen, double value) {
     (void)unseen;
-    const int count = (int)value;
+    const int count = abs((int)value);
+    const double side = value < 0 ? -1 : 1;
     for (int i = 0; i < count; i++) {
-        const double right = 1 - 2.0 * i / count, left = 1 - 2.0 * (i + 1) / count;
+        const double near = side * (1 - 2.0 * i / count), far = side * (1 - 2.0 * (i + 1) / count);
         const double low = 1.2 * i / count, high = 1.2 * (i + 1) / count;
-        shape_quad(seen, (shb_vec3){right, low, 0.8}, (shb_vec3){right, low, -0.8},
-                   (shb_vec3){right, high, -0.8}, (shb_vec3){right, high, 0.8});
-        shape_quad(seen, (shb_vec3){left, high, 0.8}, (shb_vec3){right, high, 0.8},
-                   (shb_vec3){right, high, -0.8}, (shb_vec3){left, high, -0.8});
+        shape_quad(seen, (shb_vec3){near, low, 0.8}, (shb_vec3){near, low, -0.8},
+                   (shb_vec3){near, high, -0.8}, (shb_vec3){near, high, 0.8});
+        shape_quad(seen, (shb_vec3){far, high, 0.8}, (shb_vec3){near, high, 0.8},
+                   (shb_vec3){near, high, -0.8}, (shb_vec3){far, high, -0.8});
     }
 }
 
+/* The wall that stands before the camera is not seen. */
 static void build_corner(owned_mesh *seen, owned_mesh *unseen, double unused) {
-    (void)unseen, (void)unused;
+    (void)unused;
     add_ground(seen);
-    shape_quad(seen, (shb_vec3){-1, 0, 1}, (shb_vec3){-1, 0, -1}, (shb_vec3){-1, 1, -1},
-               (shb_vec3){-1, 1, 1});
     shape_quad(seen, (shb_vec3){-1, 0, -1}, (shb_vec3){1, 0, -1}, (shb_vec3){1, 1, -1},
                (shb_vec3){-1, 1, -1});
+    shape_quad(unseen, (shb_vec3){-1, 0, 1}, (shb_vec3){-1, 0, -1}, (shb_vec3){-1, 1, -1},
+               (shb_vec3){-1, 1, 1});
 }
 
 /* Thin triangles that stand on the ground. */
@@ -135,6 +138,7 @@ static const stability_case cases[] = {
     SHAPE("stairs-100", build_stairs, 100, true, false),
     SHAPE("stair-sheet-10", build_stair_sheet, 10, false, false),
     SHAPE("stair-sheet-600", build_stair_sheet, 600, false, true),
+    SHAPE("stair-sheet-30-to-light", build_stair_sheet, -30, false, true),
     SHAPE("corner", build_corner, 0, false, true),
     SHAPE("needles", build_needles, 0, false, true),
     SHAPE("slivers", build_slivers, 0, false, false),

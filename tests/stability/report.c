@@ -1,6 +1,6 @@
 #include "report.h"
 
-#include "shadowbias/bias.h"
+#include "methods.h"
 
 static const char *format_name(shb_format format) {
     return format == SHB_FORMAT_UNORM24   ? "unorm24"
@@ -29,16 +29,15 @@ void stability_print_tsv(FILE *stream, const stability_rows *rows) {
                     "fl_far_ppm\tfs_near_ppm\tfl_near_ppm\twrong_ppm\n");
     for (size_t i = 0; i < rows->count; i++)
         print_row(stream, &rows->rows[i]);
-    size_t count;
-    const shb_bias_method *methods = shb_bias_methods(&count);
-    for (size_t i = 0; i < count; i++)
+    stability_method method;
+    for (size_t i = 0; stability_method_at(i, &method); i++)
         for (stability_setting s = STABILITY_DEFAULT; s < STABILITY_SETTINGS; s++) {
             const stability_row *worst;
-            const stability_rates mean = stability_rows_mean(rows, methods[i].name, s, &worst);
+            const stability_rates mean = stability_rows_mean(rows, method.name, s, &worst);
             if (!worst)
                 continue;
             fprintf(stream, "ALL\tALL\t-\t-\t");
-            print_rates(stream, methods[i].name, s, &mean);
+            print_rates(stream, method.name, s, &mean);
         }
 }
 
@@ -48,17 +47,16 @@ void stability_print_means(FILE *stream, const stability_rows *rows) {
             "false", "false", "false", "wrong", "worst case");
     fprintf(stream, "%-16s %-8s %10s %10s %10s %10s %10s\n", "", "", "shadow far", "light far",
             "shad. near", "light near", "in all");
-    size_t count;
-    const shb_bias_method *methods = shb_bias_methods(&count);
-    for (size_t i = 0; i < count; i++)
+    stability_method method;
+    for (size_t i = 0; stability_method_at(i, &method); i++)
         for (stability_setting s = STABILITY_DEFAULT; s < STABILITY_SETTINGS; s++) {
             const stability_row *worst;
-            const stability_rates mean = stability_rows_mean(rows, methods[i].name, s, &worst);
+            const stability_rates mean = stability_rows_mean(rows, method.name, s, &worst);
             if (!worst)
                 continue;
-            fprintf(stream, "%-16s %-8s %10.1f %10.1f %10.1f %10.1f %10.1f  %s %.0f\n",
-                    methods[i].name, stability_setting_name(s), mean.false_shadow_far,
-                    mean.false_light_far, mean.false_shadow_near, mean.false_light_near, mean.wrong,
-                    worst->subject->name, worst->rates.wrong);
+            fprintf(stream, "%-16s %-8s %10.1f %10.1f %10.1f %10.1f %10.1f  %s %.0f\n", method.name,
+                    stability_setting_name(s), mean.false_shadow_far, mean.false_light_far,
+                    mean.false_shadow_near, mean.false_light_near, mean.wrong, worst->subject->name,
+                    worst->rates.wrong);
         }
 }

@@ -6,18 +6,13 @@
 #include "suite.h"
 #include "tool.h"
 
-#include "shadowbias/bias.h"
-
 #include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 
 static bool find_method(const char *name) {
-    size_t count;
-    const shb_bias_method *methods = shb_bias_methods(&count);
-    for (size_t i = 0; i < count; i++)
-        if (strcmp(methods[i].name, name) == 0)
-            return true;
+    stability_method method;
+    if (stability_method_named(name, &method))
+        return true;
     fprintf(stderr, "stability: --method: there is no \"%s\"\n", name);
     return false;
 }

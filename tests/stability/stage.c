@@ -72,11 +72,12 @@ static double diagonal_of(shb_box box) {
     return shb_vec3_length(shb_vec3_subtract(box.hi, box.lo));
 }
 
-/* From the middle, so close that the corners of the box may be cut off. */
+/* So close that the corners of the box may be cut off; aside of the light, whose shadows would hide
+ * behind their objects otherwise. */
 static void place_camera(const stability_case *c, example_scene *scene) {
     const shb_vec3 middle = middle_of(scene->bounds);
     const shb_vec3 to_eye =
-        shb_vec3_normalize(shb_mat4_transform_point(turn_of(c), (shb_vec3){0.55, 0.7, 1}));
+        shb_vec3_normalize(shb_mat4_transform_point(turn_of(c), (shb_vec3){-0.7, 0.8, 0.7}));
     scene->camera.vertical_angle = 0.6;
     scene_move_camera(
         scene, shb_vec3_add(middle, shb_vec3_scale(to_eye, 1.3 * diagonal_of(scene->bounds))),
@@ -176,9 +177,12 @@ void stability_stage_close(stability_stage *stage) {
     *stage = (stability_stage){0};
 }
 
-shb_result stability_draw_map(const stability_stage *stage, const shb_bias *bias, shb_map **map) {
+shb_result stability_draw_map(const stability_stage *stage, const stability_method *method,
+                              const shb_bias *bias, shb_map **map) {
     shb_map *drawn = NULL;
-    shb_result result = shb_map_create(stage->context, &stage->map, &drawn);
+    shb_map_desc desc = stage->map;
+    desc.occluders = method->occluders;
+    shb_result result = shb_map_create(stage->context, &desc, &drawn);
     if (!result)
         result = shb_map_draw(drawn, &stage->scene->scene, bias, NULL);
     if (result)

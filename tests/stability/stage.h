@@ -4,6 +4,7 @@
 
 #include "cases.h"
 #include "measure.h"
+#include "methods.h"
 
 /* Fragments that meet the light at a smaller cosine do not count, in all cases. */
 #define STABILITY_MIN_COSINE 0.02
@@ -12,7 +13,7 @@ typedef struct stability_stage {
     shb_context *context;
     example_scene *scene;
     measure_frame frame;
-    shb_map_desc map; /* the light */
+    shb_map_desc map; /* the light; occluders are up to the method */
     uint8_t *truth;   /* one a fragment */
 } stability_stage;
 
@@ -23,8 +24,9 @@ shb_result stability_stage_open(shb_context *context, const stability_case *c, u
                                 uint32_t height, stability_stage *stage);
 void stability_stage_close(stability_stage *stage);
 
-/* Draws a map of the stage's light for a method into *map, which the caller destroys. */
-shb_result stability_draw_map(const stability_stage *stage, const shb_bias *bias, shb_map **map);
+/* A map of the stage's light, drawn for a method with these parameters; the caller destroys it. */
+shb_result stability_draw_map(const stability_stage *stage, const stability_method *method,
+                              const shb_bias *bias, shb_map **map);
 
 /* The errors of a method that asks a map drawn for it. */
 shb_result stability_judge(stability_stage *stage, const shb_map *map, const shb_bias *bias,

@@ -23,18 +23,15 @@ static bool add_row(stability_rows *rows, const stability_case *c, const char *m
                               (stability_row){c, method, setting, stability_rates_of(errors)});
 }
 
-/* Both settings of a method. A method whose kind of map cannot be made is left out. */
+/* Both settings of a method. */
 static shb_result run_method(stability_stage *stage, const stability_case *c,
-                             const shb_bias_method *method, stability_rows *rows) {
-    shb_bias bias = method->make();
+                             const stability_method *method, stability_rows *rows) {
     shb_errors errors;
-    shb_result result = stability_measure(stage, &bias, &errors);
-    if (result == SHB_ERROR_UNSUPPORTED)
-        return SHB_OK;
+    shb_result result = stability_measure(stage, method, &errors);
     if (!result && !add_row(rows, c, method->name, STABILITY_DEFAULT, &errors))
         return SHB_ERROR_MEMORY;
-    if (!result && method->param_names[0])
-        result = stability_tune(stage, &bias, &errors);
+    if (!result && method->method->param_names[0])
+        result = stability_tune(stage, method, &errors);
     if (!result && !add_row(rows, c, method->name, STABILITY_TUNED, &errors))
         return SHB_ERROR_MEMORY;
     return result;
@@ -43,15 +40,15 @@ static shb_result run_method(stability_stage *stage, const stability_case *c,
 static bool run_case(shb_context *context, const stability_options *options,
                      const stability_case *c, stability_rows *rows) {
     const uint32_t width = options->quick ? 160 : 320, height = options->quick ? 120 : 240;
-    size_t count;
-    const shb_bias_method *methods = shb_bias_methods(&count);
     stability_stage stage;
-    shb_result result = stability_stage_open(context, c, width, height, &stage);
-    for (size_t i = 0; i < count && !result; i++)
-        if (stability_wants_method(options, methods[i].name))
-            result = run_method(&stage, c, &methods[i], rows);
+    bool done = tool_succeeds("stability", c->name,
+                              stability_stage_open(context, c, width, height, &stage));
+    stability_method method;
+    for (size_t i = 0; done && stability_method_at(i, &method); i++)
+        if (stability_wants_method(options, method.name))
+            done = tool_succeeds("stability", method.name, run_method(&stage, c, &method, rows));
     stability_stage_close(&stage);
-    return tool_succeeds("stability", c->name, result);
+    return done;
 }
 
 static size_t count_cases(const stability_options *options) {

@@ -20,11 +20,13 @@ static uint64_t wrong(const shb_errors *errors) {
            errors->boundary_light;
 }
 
-shb_result stability_measure(stability_stage *stage, const shb_bias *bias, shb_errors *errors) {
+shb_result stability_measure(stability_stage *stage, const stability_method *method,
+                             shb_errors *errors) {
     shb_map *map = NULL;
-    shb_result result = stability_draw_map(stage, bias, &map);
+    const shb_bias bias = method->method->make();
+    shb_result result = stability_draw_map(stage, method, &bias, &map);
     if (!result)
-        result = stability_judge(stage, map, bias, errors);
+        result = stability_judge(stage, map, &bias, errors);
     shb_map_destroy(map);
     return result;
 }
@@ -59,15 +61,14 @@ static void run_search(search *s) {
     }
 }
 
-shb_result stability_tune(stability_stage *stage, shb_bias *bias, shb_errors *errors) {
-    search s = {.stage = stage, .best = *bias, .errors = *errors};
-    s.result = stability_draw_map(stage, bias, &s.map);
+shb_result stability_tune(stability_stage *stage, const stability_method *method,
+                          shb_errors *errors) {
+    search s = {.stage = stage, .best = method->method->make(), .errors = *errors};
+    s.result = stability_draw_map(stage, method, &s.best, &s.map);
     if (!s.result)
         run_search(&s);
     shb_map_destroy(s.map);
-    if (s.result)
-        return s.result;
-    *bias = s.best;
-    *errors = s.errors;
-    return SHB_OK;
+    if (!s.result)
+        *errors = s.errors;
+    return s.result;
 }

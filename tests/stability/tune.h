@@ -4,12 +4,14 @@
 
 #include "stage.h"
 
-/* Errors of a method with its parameters as they are. */
-shb_result stability_measure(stability_stage *stage, const shb_bias *bias, shb_errors *errors);
+/* Errors of a method with default parameters. */
+shb_result stability_measure(stability_stage *stage, const stability_method *method,
+                             shb_errors *errors);
 
 /* Searches the first parameter of a method for the fewest wrong fragments, starting from
- * errors, those of the parameters as they are: eight values by powers of eight about its own, then
- * between the best and its neighbours. Never worse than it started. */
-shb_result stability_tune(stability_stage *stage, shb_bias *bias, shb_errors *errors);
+ * errors, those of the default: eight values by powers of eight about it, then between the best and
+ * its neighbours. Never worse than it started. */
+shb_result stability_tune(stability_stage *stage, const stability_method *method,
+                          shb_errors *errors);
 
 #endif

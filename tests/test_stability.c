@@ -1,0 +1,205 @@
+/* The stability suite's own promises, and a few of its cases where the outcome is known by hand. */
+#include "shadowbias/bias.h"
+
+#include <string.h>
+
+#include "stability/heat_map.h"
+#include "stability/tune.h"
+#include "test.h"
+
+enum { WIDTH = 160, HEIGHT = 120 };
+
+static shb_context *create_context(void) {
+    shb_context *context = NULL;
+    const shb_context_desc desc = {.threads = 2};
+    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+    return context;
+}
+
+/* Errors of a method in a case, by default. */
+static shb_errors errors_in(stability_stage *stage, const char *name) {
+    stability_method method;
+    shb_errors errors = {0};
+    if (CHECK(stability_method_named(name, &method)))
+        CHECK_INT(stability_measure(stage, &method, &errors), SHB_OK);
+    return errors;
+}
+
+static stability_stage stage_of(shb_context *context, const stability_case *c) {
+    stability_stage stage;
+    CHECK_INT(stability_stage_open(context, c, WIDTH, HEIGHT, &stage), SHB_OK);
+    return stage;
+}
+
+static stability_case case_of(const char *name) {
+    const stability_case *c = stability_case_named(name);
+    return CHECK(c != NULL) ? *c : (stability_case){0};
+}
+
+/* A plane that is alone lies in the light wherever it faces it. */
+TEST(lone_planes_get_no_false_shadow_from_methods_that_know_their_slope) {
+    static const char *const methods[] = {"adaptive",     "adaptive-soft",   "receiver-plane",
+                                          "exact-planes", "exact-triangles", "exact-lists"};
+    shb_context *context = create_context();
+    for (size_t i = 0; stability_case_at(i); i++) {
+        if (strncmp(stability_case_at(i)->name, "plane-", 6) != 0)
+            continue;
+        stability_stage stage = stage_of(context, stability_case_at(i));
+        for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
+            const shb_errors errors = errors_in(&stage, methods[k]);
+            CHECK_INT(errors.false_shadow + errors.boundary_shadow, 0);
+            CHECK_INT(errors.shadowed, 0);
+            CHECK(errors.lit > WIDTH * HEIGHT / 8);
+        }
+        stability_stage_close(&stage);
+    }
+    shb_context_destroy(context);
+}
+
+/* Half of the fragments lie behind the centre of their texel, as the light sees it. */
+TEST(without_bias_half_of_a_lone_plane_is_in_false_shadow) {
+    shb_context *context = create_context();
+    const stability_case c = case_of("plane-45");
+    stability_stage stage = stage_of(context, &c);
+    const shb_errors errors = errors_in(&stage, "none");
+    CHECK_NEAR(errors.false_shadow + errors.boundary_shadow, 0.5 * (double)errors.lit,
+               0.03 * (double)errors.lit);
+    stability_stage_close(&stage);
+    shb_context_destroy(context);
+}
+
+/* A power of two scales every number without rounding. */
+TEST(a_scale_of_a_power_of_two_changes_no_count_of_errors) {
+    shb_context *context = create_context();
+    stability_case small = case_of("scale-1"), large = small;
+    small.scale = 0x1p-12;
+    large.scale = 0x1p20;
+    stability_stage first = stage_of(context, &small), second = stage_of(context, &large);
+    stability_method method;
+    for (size_t i = 0; stability_method_at(i, &method); i++) {
+        const shb_errors a = errors_in(&first, method.name), b = errors_in(&second, method.name);
+        CHECK(a.lit > 0 && a.shadowed > 0);
+        CHECK_INT(a.lit, b.lit);
+        CHECK_INT(a.shadowed, b.shadowed);
+        CHECK_INT(a.false_shadow, b.false_shadow);
+        CHECK_INT(a.false_light, b.false_light);
+        CHECK_INT(a.boundary_shadow, b.boundary_shadow);
+        CHECK_INT(a.boundary_light, b.boundary_light);
+    }
+    stability_stage_close(&first);
+    stability_stage_close(&second);
+    shb_context_destroy(context);
+}
+
+/* The gap is 1e-5 of a scene 2.8 wide; a bias of 0.002 of a depth range above 1 is far more. */
+TEST(a_constant_bias_loses_a_narrow_gap_that_lists_keep) {
+    shb_context *context = create_context();
+    const stability_case c = case_of("gap-1e-5");
+    stability_stage stage = stage_of(context, &c);
+    const shb_errors lost = errors_in(&stage, "constant");
+    CHECK(lost.shadowed > 1000);
+    CHECK_INT(lost.false_light + lost.boundary_light, lost.shadowed);
+    const shb_errors kept = errors_in(&stage, "exact-lists");
+    CHECK_INT(kept.false_light, 0);
+    CHECK_INT(kept.false_shadow, 0);
+    stability_stage_close(&stage);
+    shb_context_destroy(context);
+}
+
+/* Creases and thin walls, where every map without lists has errors somewhere. */
+TEST(lists_have_no_errors_away_from_boundaries) {
+    static const char *const names[] = {"corner", "stair-sheet-600", "wall-0.1", "wedge-1"};
+    shb_context *context = create_context();
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const stability_case c = case_of(names[i]);
+        stability_stage stage = stage_of(context, &c);
+        const shb_errors errors = errors_in(&stage, "exact-lists");
+        CHECK(errors.lit > 1000);
+        CHECK_INT(errors.false_shadow, 0);
+        CHECK_INT(errors.false_light, 0);
+        stability_stage_close(&stage);
+    }
+    shb_context_destroy(context);
+}
+
+static uint64_t wrong(const shb_errors *errors) {
+    return errors->false_shadow + errors->false_light + errors->boundary_shadow +
+           errors->boundary_light;
+}
+
+TEST(tuning_finds_a_better_parameter) {
+    shb_context *context = create_context();
+    const stability_case c = case_of("relief-1");
+    stability_stage stage = stage_of(context, &c);
+    stability_method method;
+    for (size_t i = 0; stability_method_at(i, &method); i++) {
+        if (!method.method->param_names[0])
+            continue;
+        const shb_errors usual = errors_in(&stage, method.name);
+        shb_errors tuned = usual;
+        CHECK_INT(stability_tune(&stage, &method, &tuned), SHB_OK);
+        CHECK(wrong(&tuned) <= wrong(&usual));
+        if (strcmp(method.name, "adaptive") == 0)
+            CHECK(wrong(&usual) > 0 && 2 * wrong(&tuned) < wrong(&usual));
+    }
+    stability_stage_close(&stage);
+    shb_context_destroy(context);
+}
+
+TEST(cases_and_methods_of_the_suite_have_names_of_their_own) {
+    for (size_t i = 0; stability_case_at(i); i++)
+        CHECK(stability_case_named(stability_case_at(i)->name) == stability_case_at(i));
+    CHECK(stability_case_named("") == NULL);
+    stability_method method, named;
+    for (size_t i = 0; stability_method_at(i, &method); i++)
+        CHECK(stability_method_named(method.name, &named) && named.method == method.method &&
+              named.occluders == method.occluders);
+    CHECK(!stability_method_named("", &named));
+}
+
+/* 1 of 4 lit and 2 of 8 shadowed fragments are wrong in all: 3 of 12, or 250000 per million. */
+TEST(rates_are_per_million_of_the_fragments_they_are_about) {
+    const shb_errors errors = {.lit = 4,
+                               .shadowed = 8,
+                               .boundary_shadow = 1,
+                               .boundary_light = 2,
+                               .false_shadow_ppm = 5,
+                               .false_light_ppm = 6};
+    const stability_rates rates = stability_rates_of(&errors);
+    CHECK_NEAR(rates.false_shadow_near, 250000, 0);
+    CHECK_NEAR(rates.false_light_near, 250000, 0);
+    CHECK_NEAR(rates.wrong, 250000, 0);
+    CHECK_NEAR(rates.false_shadow_far, 5, 0);
+    CHECK_NEAR(rates.false_light_far, 6, 0);
+}
+
+TEST(means_leave_out_cases_without_such_fragments_and_name_the_worst) {
+    const stability_case first = {.name = "first"}, second = {.name = "second"};
+    stability_rows rows = {0};
+    const stability_rates a = {.lit = 10, .false_shadow_far = 100, .wrong = 100};
+    const stability_rates b = {
+        .lit = 5, .shadowed = 5, .false_shadow_far = 300, .false_light_far = 50, .wrong = 175};
+    CHECK(stability_rows_add(&rows, (stability_row){&first, "m", STABILITY_DEFAULT, a}));
+    CHECK(stability_rows_add(&rows, (stability_row){&first, "m", STABILITY_TUNED, b}));
+    CHECK(stability_rows_add(&rows, (stability_row){&second, "m", STABILITY_DEFAULT, b}));
+    const stability_row *worst;
+    const stability_rates mean = stability_rows_mean(&rows, "m", STABILITY_DEFAULT, &worst);
+    CHECK(worst == &rows.rows[2]);
+    CHECK_INT(mean.lit, 15);
+    CHECK_INT(mean.shadowed, 5);
+    CHECK_NEAR(mean.false_shadow_far, 200, 0);
+    CHECK_NEAR(mean.false_light_far, 50, 0);
+    CHECK_NEAR(mean.wrong, 137.5, 0);
+    stability_rows_mean(&rows, "other", STABILITY_DEFAULT, &worst);
+    CHECK(worst == NULL);
+    stability_rows_free(&rows);
+}
+
+TEST(cells_of_the_heat_map_show_the_digits_of_a_rate) {
+    CHECK_INT(heat_map_digits(0), 0);
+    CHECK_INT(heat_map_digits(0.001), 1);
+    CHECK_INT(heat_map_digits(9.9), 1);
+    CHECK_INT(heat_map_digits(10), 2);
+    CHECK_INT(heat_map_digits(999999), 6);
+    CHECK_INT(heat_map_digits(1e6), 7);
+}
