@@ -3,8 +3,7 @@
 #include "chunk_tile.h"
 
 #include "chunk_bin.h"
-#include "format.h"
-#include "layers.h"
+#include "chunk_whole.h"
 
 #include <stdatomic.h>
 
@@ -14,15 +13,17 @@
 /* More tiles than this cost more than they save. */
 #define TILES_MAX 4096
 
-/* Up to this many texels one thread draws straight through: the map itself stays in a cache. */
-#define SINGLE_TILE_TEXELS (2048u * 2048u)
+/* Up to this many texels one thread draws straight through: the map itself stays in a cache.
+ * Several threads do so if there is a triangle for every few texels. */
+#define WHOLE_TEXELS (2048u * 2048u)
+#define WHOLE_TEXELS_PER_TRIANGLE 4
 
 /* But not a few large triangles one over the other: they would go through the whole map each. */
 #define FEW_TRIANGLES 1024
 #define FEW_TRIANGLES_TEXELS (512u * 512u)
 
 typedef struct grid {
-    bool single;   /* the whole target is one tile */
+    bool whole;    /* the target is not cut into tiles */
     bool direct;   /* tiles are drawn in the images themselves */
     int tile_bits; /* tiles are squares of 2^tile_bits samples */
 } grid;
@@ -59,8 +60,9 @@ static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
     const uint32_t texels = desc->width * desc->height;
     const bool few = geometry->triangle_count <= FEW_TRIANGLES && texels > FEW_TRIANGLES_TEXELS;
     grid made = {.direct = can_draw_directly(desc), .tile_bits = TILE_BITS};
-    made.single = made.direct && !desc->tile_size && context->threads == 1 && !few &&
-                  texels <= SINGLE_TILE_TEXELS;
+    const bool many = geometry->triangle_count >= texels / WHOLE_TEXELS_PER_TRIANGLE;
+    made.whole = made.direct && !desc->tile_size && texels <= WHOLE_TEXELS && !few &&
+                 (context->threads == 1 || many);
     if (desc->tile_size)
         for (made.tile_bits = 4; desc->tile_size >> made.tile_bits != 1; made.tile_bits++)
             continue;
@@ -70,8 +72,6 @@ static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
 }
 
 static shb_samples tile_samples(const tile_job *job, size_t tile) {
-    if (job->grid.single)
-        return job->target->samples;
     const int32_t left = (int32_t)(tile % job->bins.columns) << job->grid.tile_bits;
     const int32_t top = (int32_t)(tile / job->bins.columns) << job->grid.tile_bits;
     const int32_t last = (1 << job->grid.tile_bits) - 1;
@@ -167,45 +167,46 @@ static void draw_binned(const tile_job *job, size_t number, const shb_tile *tile
     flush(&gathered);
 }
 
-static void draw_all(tile_job *job, const shb_tile *tile) {
-    for (size_t i = 0; i < job->chunks->count; i++)
-        job->bins.drawn += job->kernels->draw(&job->chunks->chunks[i], tile);
-}
-
 static void draw_tile(tile_job *job, size_t lane, size_t number) {
     const shb_layers layers = layers_of(job, lane, tile_samples(job, number));
-    const shb_samples *samples = &layers.samples;
-    const int32_t width = samples->last_column - samples->first_column + 1;
-    const shb_tile tile = {
-        .depth = layers.nearest,
-        .second = layers.second,
-        .ids = layers.ids,
-        .stride = (ptrdiff_t)layers.pitch,
-        .x0 = samples->first_column,
-        .y0 = samples->first_row,
-        .right = samples->last_column + 1,
-        .x1 = samples->first_column + (width + 15) / 16 * 16,
-        .y1 = samples->last_row + 1,
-    };
+    const shb_tile tile = shb_layers_tile(&layers);
     shb_layers_clear(&layers, job->desc->view->reversed);
-    if (job->grid.single)
-        draw_all(job, &tile);
-    else
-        draw_binned(job, number, &tile);
+    draw_binned(job, number, &tile);
     draw_coded(job, &layers);
     shb_layers_store(&layers, job->desc);
-}
-
-static size_t count_tiles(const tile_job *job) {
-    return job->grid.single ? 1 : (size_t)job->bins.columns * job->bins.rows;
 }
 
 /* A lane owns its layers and takes tile after tile until none is left. */
 static void run_lane(void *arg, size_t index) {
     tile_job *job = arg;
-    const size_t tiles = count_tiles(job);
+    const size_t tiles = (size_t)job->bins.columns * job->bins.rows;
     for (size_t tile; (tile = atomic_fetch_add(&job->next, 1)) < tiles;)
         draw_tile(job, index, tile);
+}
+
+static bool draw_tiles(shb_context *context, tile_job *job) {
+    if (!shb_chunks_bin(context, job->target, job->chunks, job->grid.tile_bits, &job->bins))
+        return false;
+    const size_t tiles = (size_t)job->bins.columns * job->bins.rows;
+    const size_t lanes = tiles < context->threads ? tiles : context->threads;
+    if (!job->grid.direct) {
+        const size_t size = (size_t)1 << job->grid.tile_bits;
+        job->lanes = shb_layers_reserve(context, job->desc, lanes, size, size);
+        if (!job->lanes)
+            return false;
+    }
+    atomic_init(&job->next, 0);
+    shb_parallel_for(context, run_lane, job, lanes);
+    return true;
+}
+
+static bool draw_whole(shb_context *context, tile_job *job) {
+    const shb_layers layers = layers_of(job, 0, job->target->samples);
+    if (!shb_chunk_whole_draw(context, job->desc, job->chunks, &layers, &job->bins.drawn))
+        return false;
+    draw_coded(job, &layers);
+    shb_layers_store(&layers, job->desc);
+    return true;
 }
 
 static void count_stats(const tile_job *job, shb_draw_stats *stats) {
@@ -226,18 +227,8 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .target = target,
                     .chunks = chunks,
                     .grid = choose_grid(context, desc, geometry)};
-    if (!job.grid.single && !shb_chunks_bin(context, target, chunks, job.grid.tile_bits, &job.bins))
+    if (!(job.grid.whole ? draw_whole : draw_tiles)(context, &job))
         return false;
-    const size_t tiles = count_tiles(&job);
-    const size_t lanes = tiles < context->threads ? tiles : context->threads;
-    if (!job.grid.direct) {
-        const size_t size = (size_t)1 << job.grid.tile_bits;
-        job.lanes = shb_layers_reserve(context, desc, lanes, size, size);
-        if (!job.lanes)
-            return false;
-    }
-    atomic_init(&job.next, 0);
-    shb_parallel_for(context, run_lane, &job, lanes);
     count_stats(&job, stats);
     return true;
 }
