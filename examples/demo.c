@@ -41,7 +41,7 @@ static bool open_demo(demo_state *demo) {
     }
     size_t count;
     shb_bias_methods(&count);
-    shb_map_desc map = {.width = map_size, .occluders = SHB_OCCLUDERS_PLANES};
+    shb_map_desc map = {.width = map_size, .occluders = SHB_OCCLUDERS_TRIANGLES};
     demo->context = tool_create_context("demo", 0, SHB_ISA_BEST);
     demo->picture = (shb_image){malloc(3 * width * height), width, height, 0};
     const bool room =

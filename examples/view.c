@@ -146,7 +146,7 @@ static bool prepare(const view_options *options, const view_setup *setup, view_w
     const uint32_t width = options->size[0], height = options->size[1];
     work->image = (shb_image){malloc(3 * (size_t)width * height), width, height, 0};
     shb_map_desc desc = {
-        .width = options->map_size, .format = setup->format, .occluders = SHB_OCCLUDERS_PLANES};
+        .width = options->map_size, .format = setup->format, .occluders = SHB_OCCLUDERS_TRIANGLES};
     return succeeds("image", work->image.pixels ? SHB_OK : SHB_ERROR_MEMORY) &&
            succeeds("light", scene_light_view(work->scene, setup->light, options->map_size,
                                               options->reversed, &desc.view)) &&

@@ -34,6 +34,14 @@ typedef struct shb_occluder_plane {
     double z, slope_x, slope_y, error;
 } shb_occluder_plane;
 
+/* Triangles of a scene as one mesh, vertices welded where they are equal. */
+typedef struct shb_occluder_mesh {
+    uint32_t (*corners)[3];
+    uint32_t (*neighbours)[3]; /* beyond the edge from corner k to the next; SHB_ID_NONE: none */
+    double (*places)[2];       /* of the vertices in the map, texels; NaN behind the light */
+    size_t place_count;
+} shb_occluder_mesh;
+
 /* What a map keeps of its occluders. */
 typedef struct shb_occluder_data {
     bool held;         /* by the latest drawing */
@@ -42,6 +50,7 @@ typedef struct shb_occluder_data {
     double slope_unit; /* a power of two */
     size_t plane_count; /* triangles of the scene */
     shb_occluder_plane *planes;
+    shb_occluder_mesh mesh;
 } shb_occluder_data;
 
 struct shb_map {

@@ -4,6 +4,7 @@
 
 #include "format.h"
 #include "half.h"
+#include "occluder_mesh.h"
 #include "occluder_planes.h"
 
 #include <float.h>
@@ -69,17 +70,23 @@ void shb_occluders_destroy(shb_map *map) {
 
 void shb_occluders_release(const shb_context *context, shb_occluder_data *data) {
     shb_free(context, data->planes);
+    shb_occluder_mesh_release(context, &data->mesh);
     data->planes = NULL;
     data->plane_count = 0;
 }
 
 bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, shb_occluder_data *made) {
+    const size_t count = (size_t)shb_scene_triangle_count(scene);
+    const bool links = map->info.occluders == SHB_OCCLUDERS_TRIANGLES;
     *made = map->occluders;
-    made->plane_count = (size_t)shb_scene_triangle_count(scene);
-    made->planes = shb_alloc(map->context, made->plane_count, sizeof *made->planes);
-    if (!made->planes)
+    made->mesh = (shb_occluder_mesh){0};
+    made->plane_count = count;
+    made->planes = shb_alloc(map->context, count, sizeof *made->planes);
+    if (!made->planes || (links && !shb_occluder_mesh_make(map, scene, count, &made->mesh))) {
+        shb_occluders_release(map->context, made);
         return false;
-    shb_occluder_planes_make(map, scene, made->plane_count, made->planes);
+    }
+    shb_occluder_planes_make(map, scene, count, made->planes);
     return true;
 }
 
@@ -128,10 +135,24 @@ static void resolve_row(void *arg, size_t row) {
     }
 }
 
+static size_t texel_bytes(const shb_map *map) {
+    return (map->depth.stride + map->occluders.stride) * map->info.height;
+}
+
+static size_t scene_bytes(const shb_occluder_data *data) {
+    const size_t triangle =
+        sizeof *data->planes + sizeof *data->mesh.corners + sizeof *data->mesh.neighbours;
+    return data->plane_count * triangle + data->mesh.place_count * sizeof *data->mesh.places;
+}
+
 void shb_occluders_finish(shb_map *map, const shb_occluder_data *made) {
     shb_occluders_release(map->context, &map->occluders);
     map->occluders = *made;
     map->occluders.held = true;
+    if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES) {
+        map->info.memory_bytes = texel_bytes(map) + scene_bytes(made);
+        return;
+    }
     resolve_job job = {map, made->planes};
     shb_parallel_for(map->context, resolve_row, &job, map->info.height);
     shb_occluders_release(map->context, &map->occluders);

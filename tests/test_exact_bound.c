@@ -1,0 +1,146 @@
+/* The bound that takes the place of every epsilon: random triangles, points on them and lights. The
+ * truth comes from a plane solved in more than twice the precision. */
+#include "../src/exact.h"
+#include "../src/map.h"
+#include "oracle.h"
+#include "random.h"
+#include "soup.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+typedef struct bound_light {
+    shb_context *context;
+    shb_map *map;
+    shb_vec3 center;
+} bound_light;
+
+static shb_vec3 random_direction(test_random *random) {
+    const shb_vec3 v = {random_double(random, -1, 1), random_double(random, -1, 1),
+                        random_double(random, -1, 1)};
+    return shb_vec3_normalize(v);
+}
+
+/* Around a scene of size 2 at this distance from the origin; kind 0 is orthographic, 1 a spot, 2 a
+ * spot with reversed depth. */
+static void open_light(bound_light *light, test_random *random, int kind, double offset) {
+    const double distance = 3;
+    light->center = shb_vec3_scale(random_direction(random), offset);
+    const shb_vec3 eye =
+        shb_vec3_add(light->center, shb_vec3_scale(random_direction(random), distance));
+    shb_map_desc desc = {
+        .width = 256u << random_below(random, 6), .height = 16, .occluders = SHB_OCCLUDERS_PLANES};
+    if (kind == 0)
+        CHECK(!shb_view_orthographic(eye, light->center, (shb_vec3){0, 0, 1}, 2, 2, 0.5, 6, false,
+                                     &desc.view));
+    else
+        CHECK(!shb_view_perspective(eye, light->center, (shb_vec3){0, 0, 1}, 1.2, 1, 0.5, 6,
+                                    kind == 2, &desc.view));
+    CHECK(!shb_context_create(NULL, &light->context));
+    CHECK(!shb_map_create(light->context, &desc, &light->map));
+}
+
+static void close_light(bound_light *light) {
+    shb_map_destroy(light->map);
+    shb_context_destroy(light->context);
+}
+
+/* A triangle that meets the light's rays at up to 89.9 degrees, down to slivers of a thousandth. */
+static void random_corners(test_random *random, const bound_light *light, float corners[3][3]) {
+    const double size = ldexp(1, -(int)random_below(random, 8));
+    const double thin = ldexp(1, -(int)random_below(random, 11));
+    const shb_vec3 along = shb_vec3_scale(random_direction(random), size);
+    const shb_vec3 across = shb_vec3_scale(
+        shb_vec3_normalize(shb_vec3_cross(along, random_direction(random))), size * thin);
+    const shb_vec3 start =
+        shb_vec3_add(light->center, shb_vec3_scale(random_direction(random), 0.5));
+    const shb_vec3 exact[3] = {start, shb_vec3_add(start, along), shb_vec3_add(start, across)};
+    for (int k = 0; k < 3; k++) {
+        corners[k][0] = (float)exact[k].x;
+        corners[k][1] = (float)exact[k].y;
+        corners[k][2] = (float)exact[k].z;
+    }
+}
+
+static shb_vec3 widen(const float p[3]) {
+    return (shb_vec3){(double)p[0], (double)p[1], (double)p[2]};
+}
+
+/* Map coordinates of a corner by the rows, in oracle precision. */
+static void project(const shb_light_rows *rows, shb_vec3 p, oracle_real out[3]) {
+    const oracle_real x = oracle_exact(p.x), y = oracle_exact(p.y), z = oracle_exact(p.z);
+    const double *const all[3] = {rows->x, rows->y, rows->z};
+    const oracle_real w = oracle_exact(rows->w[0]) * x + oracle_exact(rows->w[1]) * y +
+                          oracle_exact(rows->w[2]) * z + oracle_exact(rows->w[3]);
+    for (int k = 0; k < 3; k++)
+        out[k] = (oracle_exact(all[k][0]) * x + oracle_exact(all[k][1]) * y +
+                  oracle_exact(all[k][2]) * z + oracle_exact(all[k][3])) /
+                 w;
+}
+
+/* The depth of the plane through three places at (x, y). */
+static oracle_real plane_depth(oracle_real p[3][3], double x, double y) {
+    const oracle_real ax = p[1][0] - p[0][0], ay = p[1][1] - p[0][1], az = p[1][2] - p[0][2];
+    const oracle_real bx = p[2][0] - p[0][0], by = p[2][1] - p[0][1], bz = p[2][2] - p[0][2];
+    const oracle_real area = ax * by - ay * bx;
+    const oracle_real gx = (az * by - ay * bz) / area, gy = (ax * bz - az * bx) / area;
+    return p[0][2] + gx * (oracle_exact(x) - p[0][0]) + gy * (oracle_exact(y) - p[0][1]);
+}
+
+/* How far the fragment's plane misses the true one at the centre of its texel, over the bound; -1
+ * for a triangle steeper than 89.9 degrees. */
+static double miss(const bound_light *light, test_random *random, const float floats[3][3]) {
+    const shb_vec3 corners[3] = {widen(floats[0]), widen(floats[1]), widen(floats[2])};
+    const shb_vec3 first = shb_vec3_subtract(corners[1], corners[0]);
+    const shb_vec3 second = shb_vec3_subtract(corners[2], corners[0]);
+    const shb_vec3 normal = shb_vec3_normalize(shb_vec3_cross(first, second));
+    const double b = random_double(random, 0, 1), c = random_double(random, 0, 1 - b);
+    const shb_vec3 point =
+        shb_vec3_add(corners[0], shb_vec3_add(shb_vec3_scale(first, b), shb_vec3_scale(second, c)));
+    const shb_light_source *source = &light->map->info.light;
+    const shb_vec3 to_light =
+        shb_vec3_normalize(shb_vec3_subtract(source->position, shb_vec3_scale(point, source->w)));
+    if (fabs(shb_vec3_dot(normal, to_light)) < 0.001745)
+        return -1;
+    const double p[3] = {(double)(float)point.x, (double)(float)point.y, (double)(float)point.z};
+    const double n[3] = {(double)(float)normal.x, (double)(float)normal.y, (double)(float)normal.z};
+    const shb_exact_fragment fragment = shb_exact_fragment_of(&light->map->rows, p, n);
+    const double x = floor(fragment.point.x) + 0.5, y = floor(fragment.point.y) + 0.5;
+    const double to_x = x - fragment.point.x, to_y = y - fragment.point.y;
+    const double bound = fragment.error + fragment.slopes.error_x * fabs(to_x) +
+                         fragment.slopes.error_y * fabs(to_y);
+    const double depth = fragment.point.z + (fragment.slopes.x * to_x + fragment.slopes.y * to_y);
+    oracle_real places[3][3];
+    for (int k = 0; k < 3; k++)
+        project(&light->map->rows, corners[k], places[k]);
+    return fabs((double)(oracle_exact(depth) - plane_depth(places, x, y))) / bound;
+}
+
+TEST(no_fragment_misses_its_plane_by_more_than_the_bound) {
+    static const double offsets[] = {0, 2, 200, 20000};
+    const char *wanted = getenv("SHB_BOUND_SAMPLES");
+    const long samples = wanted ? atol(wanted) : 250000;
+    test_random random = {11};
+    double largest = 0;
+    long tested = 0, violations = 0;
+    for (int lights = 0; lights < 48; lights++) {
+        bound_light light;
+        open_light(&light, &random, lights % 3, offsets[lights / 3 % 4]);
+        for (long i = 0; i < samples / 48; i++) {
+            float corners[3][3];
+            random_corners(&random, &light, corners);
+            for (int k = 0; k < 4; k++) {
+                const double ratio = miss(&light, &random, (const float(*)[3])corners);
+                tested += ratio >= 0;
+                violations += ratio > 1;
+                largest = ratio > largest ? ratio : largest;
+            }
+        }
+        close_light(&light);
+    }
+    test_check(violations == 0, __FILE__, __LINE__, "%ld of %ld beyond the bound, up to %g",
+               violations, tested, largest);
+    test_check(largest > 0.5, __FILE__, __LINE__, "the bound is loose: %g at most", largest);
+    CHECK(tested > samples);
+}
