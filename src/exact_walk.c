@@ -6,8 +6,6 @@
 
 #include "exact_walk.h"
 
-#include <math.h>
-
 static double cross(const double *a, const double *b, const double *at) {
     return (b[0] - a[0]) * (at[1] - a[1]) - (b[1] - a[1]) * (at[0] - a[0]);
 }
@@ -85,17 +83,4 @@ uint32_t shb_exact_walk(const shb_occluder_mesh *mesh, uint32_t triangle, const 
         triangle = step(mesh, triangle, exit);
     }
     return SHB_ID_NONE;
-}
-
-double shb_exact_inset(const shb_occluder_mesh *mesh, uint32_t triangle, const double at[2]) {
-    const uint32_t *corners = mesh->corners[triangle];
-    double sides[3], inset = HUGE_VAL;
-    if (!find_sides(mesh, corners, at, sides))
-        return -1;
-    for (int k = 0; k < 3; k++) {
-        const double *a = mesh->places[corners[k]], *b = mesh->places[corners[(k + 1) % 3]];
-        const double distance = sides[k] / (fabs(b[0] - a[0]) + fabs(b[1] - a[1]));
-        inset = distance < inset ? distance : inset;
-    }
-    return inset;
 }

@@ -12,7 +12,4 @@
 uint32_t shb_exact_walk(const shb_occluder_mesh *mesh, uint32_t triangle, const double from[2],
                         const double to[2]);
 
-/* The smallest distance, in texels, from a place inside a triangle to the lines of its sides. */
-double shb_exact_inset(const shb_occluder_mesh *mesh, uint32_t triangle, const double at[2]);
-
 #endif

@@ -35,7 +35,7 @@ typedef enum shb_occluders {
     SHB_OCCLUDERS_NONE = 0,
     SHB_OCCLUDERS_PLANES,    /* the plane of each texel's triangle: 4 more bytes a texel */
     SHB_OCCLUDERS_TRIANGLES, /* the triangle of each texel, and the mesh in the light's space: 4 more
-                                bytes a texel and about 90 a triangle */
+                                bytes a texel and about 64 a triangle */
     SHB_OCCLUDERS_LISTS      /* all triangles that the light can see in each texel: 4 bytes a texel, 4
                                 an entry, about 210 a triangle */
 } shb_occluders;
