@@ -9,9 +9,6 @@
 
 enum { SIZE = SHB_LIST_TILE, TEXELS = SIZE * SIZE };
 
-/* Columns are rounded outwards by this for the rounding of a quotient. */
-#define COLUMN_MARGIN 0x1p-20
-
 /* An edge flatter than this counts as level, its change across the view as an error. */
 #define LEAST_SLOPE 0x1p-30
 
@@ -27,44 +24,78 @@ typedef struct columns {
     double first, last;
 } columns;
 
-/* An edge function for one triangle and all rows. */
-typedef struct edge {
-    double x, y, one, bound, inverse;
-} edge;
+/* Where edge functions of a triangle let its columns begin or end in a row: at
+ * at + slope * row. touched: texels that the inner side may touch; covered: those that lie on it
+ * for sure. */
+typedef struct border {
+    double slope, touched, covered;
+} border;
 
-static edge make_edge(const shb_list_triangle *triangle, int i, double width) {
-    edge e = {triangle->x[i], triangle->y[i], triangle->one[i], (double)triangle->edge_bound, 0};
-    if (fabs(e.x) < LEAST_SLOPE) {
-        e.bound += fabs(e.x) * width;
-        e.x = 0;
+typedef struct borders {
+    border left[3], right[3];
+    int left_count, right_count;
+    double first_touched_row, last_touched_row; /* by level edges */
+    double first_covered_row, last_covered_row;
+} borders;
+
+static double larger_of(double a, double b) {
+    return a > b ? a : b;
+}
+
+static double smaller_of(double a, double b) {
+    return a < b ? a : b;
+}
+
+/* A level edge: y row + one >= 0 at the rows' nearer or farther side; |y| is 1, nearly. */
+static void add_level_edge(double y, double one, double bound, borders *all) {
+    const double touched = -(one + bound) / y, covered = -(one - bound) / y;
+    if (y > 0) {
+        all->first_touched_row = larger_of(all->first_touched_row, touched - 1 - 0x1p-20);
+        all->first_covered_row = larger_of(all->first_covered_row, covered + 0x1p-20);
     } else {
-        e.inverse = 1 / e.x;
+        all->last_touched_row = smaller_of(all->last_touched_row, touched + 0x1p-20);
+        all->last_covered_row = smaller_of(all->last_covered_row, covered - 1 - 0x1p-20);
     }
-    return e;
 }
 
-/* Columns whose texels in a row the inner side of the edge may touch. */
-static void narrow_touched(const edge *e, double row, columns *c) {
-    const double at = e->one + e->y * (e->y > 0 ? row + 1 : row) + e->bound;
-    const double border = -at * e->inverse;
-    if (e->x > 0)
-        c->first = border - 1 - COLUMN_MARGIN > c->first ? border - 1 - COLUMN_MARGIN : c->first;
-    else if (e->x < 0)
-        c->last = border + COLUMN_MARGIN < c->last ? border + COLUMN_MARGIN : c->last;
-    else if (at < 0)
-        c->last = -1;
+/* The inner side at a texel's best corner: x column + y row + one + max(x, 0) + max(y, 0) + bound
+ * >= 0; at its worst one: with min for max and - bound. The margin holds the rounding of at, whose
+ * parts are products of numbers up to four sides of the view, and of its sum with slope * row. */
+static void add_edge(const shb_list_triangle *triangle, int i, double side, borders *all) {
+    const double x = triangle->x[i], y = triangle->y[i], one = triangle->one[i];
+    const double bound = (double)triangle->edge_bound;
+    if (fabs(x) < LEAST_SLOPE) {
+        if (y != 0)
+            add_level_edge(y, one, bound + LEAST_SLOPE * side, all);
+        return;
+    }
+    const double inverse = 1 / x;
+    const double margin = 0x1p-20 + 0x1p-48 * (side + fabs(one)) * fabs(inverse);
+    const double best = one + larger_of(x, 0) + larger_of(y, 0) + bound;
+    const double worst = one + smaller_of(x, 0) + smaller_of(y, 0) - bound;
+    const double outwards = x > 0 ? -margin : margin;
+    const border made = {-y * inverse, outwards - best * inverse, -outwards - worst * inverse};
+    if (x > 0)
+        all->left[all->left_count++] = made;
+    else
+        all->right[all->right_count++] = made;
 }
 
-/* Columns whose texels in a row lie on the inner side for sure. */
-static void narrow_covered(const edge *e, double row, columns *c) {
-    const double at = e->one + e->y * (e->y > 0 ? row : row + 1) - e->bound;
-    const double border = -at * e->inverse;
-    if (e->x > 0)
-        c->first = border + COLUMN_MARGIN > c->first ? border + COLUMN_MARGIN : c->first;
-    else if (e->x < 0)
-        c->last = border - 1 - COLUMN_MARGIN < c->last ? border - 1 - COLUMN_MARGIN : c->last;
-    else if (!(at >= 0))
-        c->last = -1;
+static void narrow(const borders *all, double row, columns *touched, columns *covered) {
+    for (int i = 0; i < all->left_count; i++) {
+        const border *left = &all->left[i];
+        const double at = left->slope * row;
+        touched->first = larger_of(touched->first, at + left->touched);
+        covered->first = larger_of(covered->first, at + left->covered);
+    }
+    for (int i = 0; i < all->right_count; i++) {
+        const border *right = &all->right[i];
+        const double at = right->slope * row;
+        touched->last = smaller_of(touched->last, at + right->touched);
+        covered->last = smaller_of(covered->last, at + right->covered);
+    }
+    if (!(row >= all->first_covered_row && row <= all->last_covered_row))
+        covered->last = -1;
 }
 
 static int32_t first_of(const columns *c) {
@@ -108,37 +139,38 @@ static void add_row(target *t, uint32_t number, const depths *d, uint32_t row,
     }
 }
 
-static uint32_t larger(uint32_t a, uint32_t b) {
-    return a > b ? a : b;
-}
-
-static uint32_t smaller(uint32_t a, uint32_t b) {
-    return a < b ? a : b;
+static borders borders_of(const target *t, const shb_list_triangle *triangle) {
+    const shb_list_frame *frame = &t->tile->lists->frame;
+    borders all = {.first_touched_row = 0,
+                   .last_touched_row = frame->height,
+                   .first_covered_row = 0,
+                   .last_covered_row = frame->height};
+    for (int i = 0; i < 3; i++)
+        add_edge(triangle, i, frame->width + frame->height, &all);
+    /* Nothing is known of it, or a part of it does not count: it covers no texel for sure. */
+    if (triangle->crosses_near || !(triangle->depth_bound < HUGE_VALF))
+        all.last_covered_row = -1;
+    return all;
 }
 
 static void add_triangle(target *t, uint32_t number) {
     const shb_list_tile *tile = t->tile;
     const shb_list_triangle *triangle = &tile->lists->triangles[number];
     const shb_list_box *box = &tile->boxes[number];
-    const uint32_t first_column = larger(box->first_column, tile->first_column);
-    const uint32_t last_column = smaller(box->last_column, tile->first_column + SIZE - 1);
-    const uint32_t first_row = larger(box->first_row, tile->first_row);
-    const uint32_t last_row = smaller(box->last_row, tile->first_row + SIZE - 1);
-    edge edges[3];
-    for (int i = 0; i < 3; i++)
-        edges[i] = make_edge(triangle, i, tile->lists->frame.width);
-    for (uint32_t row = first_row; row <= last_row; row++) {
-        columns touched = {first_column, last_column}, covered = touched;
-        for (int i = 0; i < 3; i++) {
-            narrow_touched(&edges[i], (double)row, &touched);
-            narrow_covered(&edges[i], (double)row, &covered);
-        }
-        if (triangle->crosses_near)
-            covered.last = -1;
+    const columns in_box = {larger_of(box->first_column, tile->first_column),
+                            smaller_of(box->last_column, tile->first_column + SIZE - 1)};
+    const borders all = borders_of(t, triangle);
+    const double first_row =
+        larger_of(larger_of(box->first_row, tile->first_row), all.first_touched_row);
+    const double last_row =
+        smaller_of(smaller_of(box->last_row, tile->first_row + SIZE - 1), all.last_touched_row);
+    for (double row = ceil(first_row); row <= last_row; row++) {
+        columns touched = in_box, covered = in_box;
+        narrow(&all, row, &touched, &covered);
         if (!(touched.first <= touched.last))
             continue;
-        const depths d = depths_of(triangle, (double)row);
-        add_row(t, number, &d, row, &touched, &covered);
+        const depths d = depths_of(triangle, row);
+        add_row(t, number, &d, (uint32_t)row, &touched, &covered);
     }
 }
 
