@@ -14,6 +14,9 @@
 /* Triangles of a task. */
 enum { RUN = 1024 };
 
+/* Triangles that are fetched before they are used: in the order of depth they are far apart. */
+enum { AHEAD = 8 };
+
 /* Parts of all triangles that are binned at the same time. */
 enum { BIN_PARTS = 16 };
 
@@ -125,6 +128,13 @@ static float depth_of_key(uint32_t key) {
     return depth;
 }
 
+static void fetch_source(const build *b, uint32_t id) {
+    const char *triangle = (const char *)&b->source[id];
+    __builtin_prefetch(triangle);
+    __builtin_prefetch(triangle + sizeof(shb_triangle) - 1);
+    __builtin_prefetch(&b->source_boxes[id]);
+}
+
 static void prepare_run(void *arg, size_t index) {
     const build *b = arg;
     shb_lists *lists = b->lists;
@@ -132,6 +142,8 @@ static void prepare_run(void *arg, size_t index) {
     run_of(index, lists->count, &begin, &end);
     for (uint32_t i = begin; i < end; i++) {
         const shb_list_key key = b->keys[i];
+        if (i + AHEAD < end)
+            fetch_source(b, b->keys[i + AHEAD].id);
         lists->slots[key.id] = i;
         lists->corners[i] = b->source[key.id];
         b->boxes[i] = b->source_boxes[key.id];

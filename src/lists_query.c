@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/* A point as the light sees it. */
+/* A point as the light sees it, and the entries of its texel: none outside the view. */
 typedef struct point {
     double x, y, depth;
     double world[3];
@@ -15,14 +15,15 @@ typedef struct point {
     double scale; /* of the triangles' bounds: above 1 where the point lies outside the scene */
     double rounding;
     uint32_t own_id;
+    const uint32_t *entry, *end;
 } point;
 
 static double larger(double a, double b) {
     return a > b ? a : b;
 }
 
-/* False if the view does not hold the point. */
-static bool project(const shb_list_frame *frame, point *p) {
+static void project(const shb_lists *lists, point *p) {
+    const shb_list_frame *frame = &lists->frame;
     const double *at = p->world;
     const double w = shb_list_row(frame->rows[3], at[0], at[1], at[2]);
     p->inverse_w = 1 / w;
@@ -31,8 +32,11 @@ static bool project(const shb_list_frame *frame, point *p) {
     p->depth = shb_list_row(frame->rows[2], at[0], at[1], at[2]) * p->inverse_w;
     const double reach = larger(larger(fabs(at[0]), fabs(at[1])), fabs(at[2]));
     p->scale = reach > frame->reach ? reach / frame->reach : 1;
-    return w > 0 && p->x >= 0 && p->x < frame->width && p->y >= 0 && p->y < frame->height &&
-           fabs(p->depth) < HUGE_VAL;
+    p->entry = p->end = NULL;
+    const bool is_seen = w > 0 && p->x >= 0 && p->x < frame->width && p->y >= 0 &&
+                         p->y < frame->height && fabs(p->depth) < HUGE_VAL;
+    if (is_seen)
+        shb_lists_entries(lists, (uint32_t)p->x, (uint32_t)p->y, &p->entry, &p->end);
 }
 
 /* The parameter of a ray at which it leaves what lies behind the near plane. */
@@ -76,9 +80,7 @@ static bool blocks_exactly(const shb_lists *lists, uint32_t number, const point 
 }
 
 static bool is_blocked(const shb_lists *lists, const point *p) {
-    const uint32_t *entry, *end;
-    shb_lists_entries(lists, (uint32_t)p->x, (uint32_t)p->y, &entry, &end);
-    for (; entry < end; entry++) {
+    for (const uint32_t *entry = p->entry; entry < p->end; entry++) {
         const shb_list_triangle *t = &lists->triangles[*entry];
         if (p->depth < (double)t->nearest)
             return false;
@@ -99,11 +101,31 @@ static bool is_blocked(const shb_lists *lists, const point *p) {
     return false;
 }
 
+static void fetch_first(const shb_lists *lists, const point *p) {
+    if (p->entry == p->end)
+        return;
+    const char *triangle = (const char *)&lists->triangles[*p->entry];
+    __builtin_prefetch(triangle);
+    __builtin_prefetch(triangle + 64);
+}
+
+/* In steps, so that the memory of several points is on its way at the same time. */
 void shb_lists_query(const shb_lists *lists, const shb_list_points *points, float *visibility) {
-    for (size_t i = 0; i < points->count; i++) {
-        point p = {.world = {points->x[i], points->y[i], points->z[i]},
-                   .rounding = points->rounding,
-                   .own_id = points->own_ids ? points->own_ids[i] : SHB_ID_NONE};
-        visibility[i] = project(&lists->frame, &p) && is_blocked(lists, &p) ? 0 : 1;
+    enum { GROUP = 16 };
+    point group[GROUP];
+    for (size_t first = 0; first < points->count; first += GROUP) {
+        const size_t left = points->count - first, count = left < GROUP ? left : GROUP;
+        for (size_t i = 0; i < count; i++) {
+            const size_t k = first + i;
+            point *p = &group[i];
+            *p = (point){.world = {points->x[k], points->y[k], points->z[k]},
+                         .rounding = points->rounding,
+                         .own_id = points->own_ids ? points->own_ids[k] : SHB_ID_NONE};
+            project(lists, p);
+        }
+        for (size_t i = 0; i < count; i++)
+            fetch_first(lists, &group[i]);
+        for (size_t i = 0; i < count; i++)
+            visibility[first + i] = is_blocked(lists, &group[i]) ? 0 : 1;
     }
 }
