@@ -27,10 +27,10 @@ typedef struct shb_lists {
     uint32_t *starts;             /* of each texel's entries; one more for the end of the last */
     uint32_t *entries;            /* numbers of triangles, in ascending order: front to back */
     shb_list_triangle *triangles; /* by nearest depth */
-    shb_triangle *corners;        /* the same triangles in world units */
-    uint32_t *slots;              /* number of the triangle with an id; SHB_ID_NONE: left out */
-    uint32_t count, id_count;     /* of triangles, of ids */
-    size_t memory_bytes;          /* of all the above */
+    uint32_t count;               /* of these triangles */
+    shb_triangle *source; /* by id, in world units; the id is SHB_ID_NONE where not finite */
+    uint32_t id_count;
+    size_t memory_bytes; /* of all the above */
 } shb_lists;
 
 /* Builds lists of width by height texels of a view that can be inverted, from a checked scene whose

@@ -26,9 +26,8 @@ typedef struct build {
     shb_context *context;
     const shb_scene *scene;
     shb_lists *lists;
+    double *reaches; /* of each run of ids */
     /* by id */
-    shb_triangle *source;
-    double *reaches; /* of each run */
     shb_list_box *source_boxes;
     shb_list_key *keys, *spare_keys; /* what the view does not see has the id SHB_ID_NONE */
     /* by nearest depth */
@@ -79,7 +78,7 @@ static void load_run(void *arg, size_t index) {
         const shb_mat4 transform = shb_instance_transform(instance);
         const uint32_t after = first + instance->mesh->triangle_count;
         for (; id < end && id < after; id++) {
-            shb_triangle *triangle = &b->source[id];
+            shb_triangle *triangle = &b->lists->source[id];
             uint32_t vertices[3];
             shb_mesh_triangle(instance->mesh, id - first, vertices);
             for (int k = 0; k < 3; k++)
@@ -99,7 +98,7 @@ static void bound_run(void *arg, size_t index) {
     uint32_t begin, end;
     run_of(index, b->lists->id_count, &begin, &end);
     for (uint32_t id = begin; id < end; id++) {
-        const shb_triangle *triangle = &b->source[id];
+        const shb_triangle *triangle = &b->lists->source[id];
         float nearest;
         const bool seen =
             triangle->id == id && shb_list_triangle_bounds(&b->lists->frame, triangle->corners,
@@ -115,7 +114,6 @@ static void order_triangles(build *b) {
     for (uint32_t id = 0; id < b->lists->id_count; id++) {
         if (b->keys[id].id != SHB_ID_NONE)
             b->keys[kept++] = b->keys[id];
-        b->lists->slots[id] = SHB_ID_NONE;
     }
     b->lists->count = kept;
     shb_list_sort(b->keys, b->spare_keys, kept);
@@ -129,7 +127,7 @@ static float depth_of_key(uint32_t key) {
 }
 
 static void fetch_source(const build *b, uint32_t id) {
-    const char *triangle = (const char *)&b->source[id];
+    const char *triangle = (const char *)&b->lists->source[id];
     __builtin_prefetch(triangle);
     __builtin_prefetch(triangle + sizeof(shb_triangle) - 1);
     __builtin_prefetch(&b->source_boxes[id]);
@@ -144,10 +142,8 @@ static void prepare_run(void *arg, size_t index) {
         const shb_list_key key = b->keys[i];
         if (i + AHEAD < end)
             fetch_source(b, b->keys[i + AHEAD].id);
-        lists->slots[key.id] = i;
-        lists->corners[i] = b->source[key.id];
         b->boxes[i] = b->source_boxes[key.id];
-        shb_list_triangle_prepare(&lists->frame, &lists->corners[i], &b->boxes[i],
+        shb_list_triangle_prepare(&lists->frame, &lists->source[key.id], &b->boxes[i],
                                   depth_of_key(key.depth), &lists->triangles[i]);
     }
 }
@@ -245,13 +241,12 @@ static void fill_tile(void *arg, size_t index) {
 /* Frees what belongs to one size of the lists. */
 static void drop_size(build *b) {
     shb_lists *lists = b->lists;
-    void *const memory[] = {lists->starts, lists->entries, lists->triangles, lists->corners,
-                            b->boxes,      b->bin_ends,    b->numbers,       b->tile_starts};
+    void *const memory[] = {lists->starts, lists->entries, lists->triangles, b->boxes,
+                            b->bin_ends,   b->numbers,     b->tile_starts};
     for (size_t i = 0; i < sizeof memory / sizeof *memory; i++)
         shb_free(b->context, memory[i]);
     lists->starts = lists->entries = NULL;
     lists->triangles = NULL;
-    lists->corners = NULL;
     b->boxes = NULL;
     b->bin_ends = b->tile_starts = NULL;
     b->numbers = NULL;
@@ -266,9 +261,8 @@ static bool prepare_triangles(build *b) {
     shb_parallel_for(b->context, bound_run, b, runs_of(lists->id_count));
     order_triangles(b);
     lists->triangles = shb_alloc(b->context, lists->count, sizeof *lists->triangles);
-    lists->corners = shb_alloc(b->context, lists->count, sizeof *lists->corners);
     b->boxes = shb_alloc(b->context, lists->count, sizeof *b->boxes);
-    if (!lists->triangles || !lists->corners || !b->boxes)
+    if (!lists->triangles || !b->boxes)
         return false;
     shb_parallel_for(b->context, prepare_run, b, runs_of(lists->count));
     return true;
@@ -296,9 +290,8 @@ static bool fill_entries(build *b, size_t entries) {
 
 static size_t memory_of(const build *b, size_t entries) {
     const shb_lists *lists = b->lists;
-    return sizeof *lists +
-           (b->tiles * TILE_TEXELS + 1 + entries + lists->id_count) * sizeof(uint32_t) +
-           lists->count * (sizeof *lists->triangles + sizeof *lists->corners);
+    return sizeof *lists + (b->tiles * TILE_TEXELS + 1 + entries) * sizeof(uint32_t) +
+           lists->count * sizeof *lists->triangles + lists->id_count * sizeof *lists->source;
 }
 
 typedef enum outcome { FITS, TOO_LARGE, NO_MEMORY } outcome;
@@ -320,14 +313,12 @@ static outcome build_size(build *b, size_t memory_cap) {
 static bool load_source(build *b, double *reach) {
     const uint32_t count = b->lists->id_count;
     const size_t runs = runs_of(count);
-    b->source = shb_alloc(b->context, count, sizeof *b->source);
+    b->lists->source = shb_alloc(b->context, count, sizeof *b->lists->source);
     b->reaches = shb_alloc(b->context, runs, sizeof *b->reaches);
     b->source_boxes = shb_alloc(b->context, count, sizeof *b->source_boxes);
     b->keys = shb_alloc(b->context, count, sizeof *b->keys);
     b->spare_keys = shb_alloc(b->context, count, sizeof *b->spare_keys);
-    b->lists->slots = shb_alloc(b->context, count, sizeof *b->lists->slots);
-    if (!b->source || !b->reaches || !b->source_boxes || !b->keys || !b->spare_keys ||
-        !b->lists->slots)
+    if (!b->lists->source || !b->reaches || !b->source_boxes || !b->keys || !b->spare_keys)
         return false;
     shb_parallel_for(b->context, load_run, b, runs);
     *reach = 0;
@@ -337,7 +328,7 @@ static bool load_source(build *b, double *reach) {
 }
 
 static void drop_source(build *b) {
-    void *const memory[] = {b->source, b->reaches, b->source_boxes, b->keys, b->spare_keys};
+    void *const memory[] = {b->reaches, b->source_boxes, b->keys, b->spare_keys};
     for (size_t i = 0; i < sizeof memory / sizeof *memory; i++)
         shb_free(b->context, memory[i]);
 }
@@ -392,7 +383,7 @@ shb_result shb_lists_build(shb_context *context, const char *caller, const shb_v
     const shb_result result = build_lists(&b, caller, view, memory_cap);
     if (result) {
         drop_size(&b);
-        shb_free(context, made->slots);
+        shb_free(context, made->source);
         shb_free(context, made);
     } else {
         shb_free(context, b.boxes);
@@ -412,7 +403,6 @@ void shb_lists_destroy(shb_lists *lists) {
     shb_free(context, lists->starts);
     shb_free(context, lists->entries);
     shb_free(context, lists->triangles);
-    shb_free(context, lists->corners);
-    shb_free(context, lists->slots);
+    shb_free(context, lists->source);
     shb_free(context, lists);
 }

@@ -63,7 +63,7 @@ static double depth_rounding(const shb_list_triangle *triangle, const point *p) 
 static bool blocks_exactly(const shb_lists *lists, uint32_t number, const point *p, double depth) {
     const shb_list_frame *frame = &lists->frame;
     const shb_list_triangle *triangle = &lists->triangles[number];
-    const shb_triangle *corners = &lists->corners[number];
+    const shb_triangle *source = &lists->source[triangle->id];
     const shb_vec3 at = {p->world[0], p->world[1], p->world[2]};
     shb_ray ray;
     if (!shb_ray_to_light(&frame->light, at, &ray))
@@ -71,12 +71,12 @@ static bool blocks_exactly(const shb_lists *lists, uint32_t number, const point 
     if (p->rounding > 0) {
         const double bound = (double)triangle->depth_bound * p->scale + depth_rounding(triangle, p);
         return depth > bound && !(p->depth - depth < frame->near_depth) &&
-               shb_ray_line_meets(&ray, corners);
+               shb_ray_line_meets(&ray, source);
     }
     if (triangle->crosses_near)
         ray.limit = near_limit(frame, &ray);
-    const uint32_t own = p->own_id < lists->id_count ? lists->slots[p->own_id] : SHB_ID_NONE;
-    return shb_ray_is_blocked(&ray, corners, own == SHB_ID_NONE ? NULL : &lists->corners[own]);
+    const bool has_own = p->own_id < lists->id_count && lists->source[p->own_id].id == p->own_id;
+    return shb_ray_is_blocked(&ray, source, has_own ? &lists->source[p->own_id] : NULL);
 }
 
 static bool is_blocked(const shb_lists *lists, const point *p) {
