@@ -65,14 +65,17 @@ static bool blocks_exactly(const shb_lists *lists, uint32_t number, const point 
     const shb_list_triangle *triangle = &lists->triangles[number];
     const shb_triangle *source = &lists->source[triangle->id];
     const shb_vec3 at = {p->world[0], p->world[1], p->world[2]};
+    const bool is_rounded = p->rounding > 0;
+    if (is_rounded) {
+        const double bound = (double)triangle->depth_bound * p->scale + depth_rounding(triangle, p);
+        if (!(depth > bound) || p->depth - depth < frame->near_depth)
+            return false;
+    }
     shb_ray ray;
     if (!shb_ray_to_light(&frame->light, at, &ray))
         return false;
-    if (p->rounding > 0) {
-        const double bound = (double)triangle->depth_bound * p->scale + depth_rounding(triangle, p);
-        return depth > bound && !(p->depth - depth < frame->near_depth) &&
-               shb_ray_line_meets(&ray, source);
-    }
+    if (is_rounded)
+        return shb_ray_line_meets(&ray, source);
     if (triangle->crosses_near)
         ray.limit = near_limit(frame, &ray);
     const bool has_own = p->own_id < lists->id_count && lists->source[p->own_id].id == p->own_id;
