@@ -36,8 +36,8 @@ typedef struct shb_list_frame {
     double errors[4]; /* bounds of the rounding of the rows' products, and of rays' drift */
 } shb_list_frame;
 
-/* A frame of a view; SHB_ERROR_NUMBER if it has no light. Errors are those of a scene of this reach
- * and of this largest distance between two points. */
+/* A frame of a view for scenes whose coordinates are no larger than reach; SHB_ERROR_NUMBER if the
+ * view has no light. */
 shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t height, double reach,
                                shb_list_frame *frame);
 
