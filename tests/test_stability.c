@@ -1,9 +1,11 @@
 /* The stability suite's own promises, and a few of its cases where the outcome is known by hand. */
 #include "shadowbias/bias.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "stability/heat_map.h"
+#include "stability/report.h"
 #include "stability/tune.h"
 #include "test.h"
 
@@ -108,7 +110,8 @@ TEST(a_constant_bias_loses_a_narrow_gap_that_lists_keep) {
 
 /* Creases and thin walls, where every map without lists has errors somewhere. */
 TEST(lists_have_no_errors_away_from_boundaries) {
-    static const char *const names[] = {"corner", "stair-sheet-600", "wall-0.1", "wedge-1"};
+    static const char *const names[] = {"corner", "stair-sheet-600", "wall-0.1", "wedge-1",
+                                        "slivers"};
     shb_context *context = create_context();
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const stability_case c = case_of(names[i]);
@@ -192,6 +195,29 @@ TEST(means_leave_out_cases_without_such_fragments_and_name_the_worst) {
     CHECK_NEAR(mean.wrong, 137.5, 0);
     stability_rows_mean(&rows, "other", STABILITY_DEFAULT, &worst);
     CHECK(worst == NULL);
+    stability_rows_free(&rows);
+}
+
+TEST(the_table_names_its_columns_and_ends_with_the_means) {
+    const stability_case c = {
+        .name = "c", .group = "g", .format = SHB_FORMAT_UNORM16, .reversed = true, .map_size = 64};
+    const stability_rates rates = {3, 1, 1.5, 2, 3, 4, 0.25};
+    stability_rows rows = {0};
+    CHECK(stability_rows_add(&rows, (stability_row){&c, "none", STABILITY_TUNED, rates}));
+    char text[1024] = "";
+    FILE *file = tmpfile();
+    if (CHECK(file != NULL)) {
+        stability_print_tsv(file, &rows);
+        rewind(file);
+        CHECK(fread(text, 1, sizeof text - 1, file) > 0);
+        fclose(file);
+    }
+    CHECK(strcmp(text, "case\tgroup\tformat\tmap_size\tmethod\tsetting\tlit\tshadowed\t"
+                       "fs_far_ppm\tfl_far_ppm\tfs_near_ppm\tfl_near_ppm\twrong_ppm\n"
+                       "c\tg\tunorm16-reversed\t64\tnone\ttuned\t3\t1\t"
+                       "1.500\t2.000\t3.000\t4.000\t0.250\n"
+                       "ALL\tALL\t-\t-\tnone\ttuned\t3\t1\t"
+                       "1.500\t2.000\t3.000\t4.000\t0.250\n") == 0);
     stability_rows_free(&rows);
 }
 
