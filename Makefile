@@ -10,7 +10,7 @@ BUILD ?= build$(if $(filter-out release,$(config)),/$(config))
 
 CFLAGS ?=
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion
-STRICT := -std=c11 -ffp-contract=off -D_POSIX_C_SOURCE=200809L
+STRICT := -std=c11 -ffp-contract=off -fno-math-errno -D_POSIX_C_SOURCE=200809L
 FLAGS_release := -O3 -DNDEBUG
 FLAGS_debug := -O0 -g
 FLAGS_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer

@@ -6,21 +6,10 @@
  * world stays a plane in a planar map. The delta bias of Ehm et al. is the plane's slope. */
 #include "strict.h"
 
-#include "bias_stages.h"
-
-/* The world length that the paper takes off: scene scale times K. */
-static float world_epsilon(const shb_bias_args *args) {
-    const float own_scale = args->bias->params[1];
-    const float scene_scale = own_scale == 0 ? (float)args->map->scene_scale : own_scale;
-    return scene_scale * args->bias->params[0];
-}
+#include "kernels/shade.h"
 
 static void adaptive_depth(const shb_bias_args *args) {
-    const size_t lanes = shb_round_to_lanes(args->count);
-    const float epsilon = world_epsilon(args);
-    shb_receivers *restrict r = args->receivers;
-    for (size_t i = 0; i < lanes; i++)
-        shb_write_plane(r, i, r->depth_per_world[i] * epsilon);
+    shb_stage_kernels(args)->adaptive(args);
 }
 
 shb_bias shb_bias_adaptive(float k, float scene_scale) {
@@ -31,15 +20,7 @@ shb_bias shb_bias_adaptive(float k, float scene_scale) {
 }
 
 static void adaptive_soft_depth(const shb_bias_args *args) {
-    const size_t lanes = shb_round_to_lanes(args->count);
-    const float epsilon = world_epsilon(args);
-    const float threshold = args->bias->params[2];
-    shb_receivers *restrict r = args->receivers;
-    for (size_t i = 0; i < lanes; i++) {
-        const float steep = 1 / (r->cosine[i] * r->cosine[i]);
-        const float factor = steep < threshold ? steep : threshold;
-        shb_write_plane(r, i, r->depth_per_world[i] * epsilon * factor);
-    }
+    shb_stage_kernels(args)->adaptive_soft(args);
 }
 
 shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold) {

@@ -3,6 +3,7 @@
 #include "context.h"
 
 #include "kernels/raster.h"
+#include "kernels/shade.h"
 
 #include <float.h>
 #include <math.h>
@@ -103,6 +104,7 @@ shb_result shb_context_create(const shb_context_desc *desc, shb_context **contex
     made.threads = wanted_threads(desc);
     made.isa = shb_cpu_isa(desc->max_isa);
     made.kernels = shb_kernels_of(made.isa);
+    made.shade_kernels = shb_shade_kernels_of(made.isa);
     shb_context *memory = shb_alloc(&made, 1, sizeof(made));
     if (!memory)
         return shb_fail(&made, SHB_ERROR_MEMORY, "shb_context_create: no memory for the context");

@@ -22,7 +22,8 @@ struct shb_context {
     void *log_user;
     shb_isa isa;
     const struct shb_kernels *kernels; /* of the instruction set; NULL: scalar code */
-    shb_buffer draw_scratch[16];       /* drawing's own, named in scratch.h */
+    const struct shb_shade_kernels *shade_kernels;
+    shb_buffer draw_scratch[16]; /* drawing's own, named in scratch.h */
     shb_buffer map_scratch[4];         /* layers that a map combines */
 };
 

@@ -2,7 +2,7 @@
 
 #include "fragments.h"
 
-#include "project.h"
+#include "kernels/shade.h"
 
 void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_frame *frame,
                               shb_light_source eye, const shb_light_source *lights,

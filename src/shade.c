@@ -8,7 +8,7 @@
 #include "context.h"
 #include "fragments.h"
 #include "map.h"
-#include "project.h"
+#include "kernels/shade.h"
 #include "scene.h"
 #include "visibility.h"
 

@@ -11,9 +11,8 @@
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
-/* Nothing here reads exception flags; trapping arithmetic would keep loops from being vectorised.
- */
-#pragma GCC optimize("fp-contract=off", "no-trapping-math")
+/* Nothing here reads exception flags or errno, which would keep loops from being vectorised. */
+#pragma GCC optimize("fp-contract=off", "no-trapping-math", "no-math-errno")
 #endif
 
 #endif

@@ -1,7 +1,7 @@
 #include "visibility.h"
 
 #include "exact.h"
-#include "project.h"
+#include "kernels/shade.h"
 
 #include <string.h>
 
@@ -68,50 +68,39 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
     return bias->needs & SHB_NEEDS_OCCLUDERS ? check_occluders(map, caller, bias, filter) : SHB_OK;
 }
 
-/* A method without a depth stage tests the fragment's own depth. */
-static void test_own_depth(size_t count, shb_receivers *restrict receivers) {
-    const size_t lanes = shb_round_to_lanes(count);
-    for (size_t i = 0; i < lanes; i++) {
-        receivers->ref[i] = receivers->depth[i];
-        receivers->step_x[i] = 0;
-        receivers->step_y[i] = 0;
-    }
-}
-
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, shb_receivers *receivers, float *visibility) {
+    const shb_shade_kernels *kernels = map->context->shade_kernels;
     const shb_projection *projection = &map->projection;
-    const shb_bias_args bias_args = {count, bias, &map->info, receivers};
+    const shb_bias_args bias_args = {count, bias, &map->info, receivers, kernels};
     const shb_filter_args filter_args = {count, filter, map, &map->info, receivers, visibility};
-    shb_ndc ndc;
 
     if (bias->needs & SHB_NEEDS_OCCLUDERS) {
         shb_exact_visibility(map, count, receivers, visibility);
         return;
     }
-    shb_project_points(projection, count, receivers, &ndc);
-    if (bias->needs & SHB_NEEDS_SCALE)
-        shb_project_scales(projection, count, &ndc, receivers);
-    if (bias->needs & SHB_NEEDS_SLOPE)
-        shb_project_slopes(projection, count, &ndc, receivers);
+    kernels->project(projection, bias->needs, count, receivers);
     if (bias->needs & SHB_NEEDS_NORMAL)
-        shb_project_normals(projection, count, receivers);
+        kernels->normals(projection, count, receivers);
     if (bias->offset) {
         bias->offset(&bias_args);
-        shb_project_points(projection, count, receivers, &ndc);
+        kernels->project(projection, 0, count, receivers);
     }
-    shb_project_texels(projection, count, &ndc, receivers);
     if (bias->depth)
         bias->depth(&bias_args);
     else
-        test_own_depth(count, receivers);
+        kernels->own_depth(count, receivers);
     filter->filter(&filter_args);
 }
 
 /* Copies triples of a strided array from element first on; the last one fills up the lanes. */
-static void load(const float *base, size_t stride, size_t first, size_t count, float *x, float *y,
-                 float *z) {
+static void load(const shb_shade_kernels *kernels, const float *base, size_t stride, size_t first,
+                 size_t count, float *x, float *y, float *z) {
     const char *bytes = (const char *)base + first * stride;
+    if (stride == 3 * sizeof *base) {
+        kernels->load((const float *)bytes, count, x, y, z);
+        return;
+    }
     const size_t lanes = shb_round_to_lanes(count);
     for (size_t i = 0; i < lanes; i++) {
         const float *triple = (const float *)(bytes + (i < count ? i : count - 1) * stride);
@@ -151,6 +140,7 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
         return result;
 
     const shb_filter hard = shb_filter_hard();
+    const shb_shade_kernels *kernels = map->context->shade_kernels;
     const size_t position_stride = points->position_stride ? points->position_stride : 12;
     const size_t normal_stride = points->normal_stride ? points->normal_stride : 12;
     shb_receivers batch;
@@ -158,10 +148,10 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
     for (size_t first = 0; first < points->count; first += SHB_BATCH) {
         const size_t left = points->count - first;
         const size_t count = left < SHB_BATCH ? left : SHB_BATCH;
-        load(points->positions, position_stride, first, count, batch.x, batch.y, batch.z);
+        load(kernels, points->positions, position_stride, first, count, batch.x, batch.y, batch.z);
         if (needs_normals(map, bias))
-            load(points->normals, normal_stride, first, count, batch.normal_x, batch.normal_y,
-                 batch.normal_z);
+            load(kernels, points->normals, normal_stride, first, count, batch.normal_x,
+                 batch.normal_y, batch.normal_z);
         shb_visibility_batch(map, bias, filter ? filter : &hard, count, &batch, batch_visibility);
         memcpy(visibility + first, batch_visibility, count * sizeof *visibility);
     }

@@ -94,6 +94,7 @@ typedef struct shb_bias_args {
     const shb_bias *bias;
     const shb_map_info *map;
     shb_receivers *receivers;
+    const struct shb_shade_kernels *kernels; /* the library's own; NULL when a host calls a stage */
 } shb_bias_args;
 
 /* A stage works on the whole batch; it must be thread-safe and may not fail. */

@@ -7,5 +7,8 @@ SHB_TARGET_BEGIN("+simd")
 #define WIDE 4
 #define KERNELS shb_kernels_neon
 #include "kernels.inl"
+#include "doubles_neon.h"
+#define SHADE_KERNELS shb_shade_kernels_neon
+#include "k_shade.inl"
 SHB_TARGET_END
 #endif

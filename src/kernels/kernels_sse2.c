@@ -7,5 +7,8 @@ SHB_TARGET_BEGIN("sse2")
 #define WIDE 4
 #define KERNELS shb_kernels_sse2
 #include "kernels.inl"
+#include "doubles_sse2.h"
+#define SHADE_KERNELS shb_shade_kernels_sse2
+#include "k_shade.inl"
 SHB_TARGET_END
 #endif

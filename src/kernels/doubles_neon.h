@@ -1,0 +1,41 @@
+/* A vector of two doubles for the loops over fragments. + - * / are the compiler's own; the
+ * operations are those of doubles_scalar.h. */
+#ifndef SRC_KERNELS_DOUBLES_NEON_H
+#define SRC_KERNELS_DOUBLES_NEON_H
+
+#define DOUBLES 2
+
+typedef float64x2_t wd;
+
+static inline wd wd_splat(double value) {
+    return vdupq_n_f64(value);
+}
+static inline wd wd_load_floats(const float *p) {
+    return vcvt_f64_f32(vld1_f32(p));
+}
+static inline void wd_store_floats(float *p, wd v) {
+    vst1_f32(p, vcvt_f32_f64(v));
+}
+static inline void wd_store_ints(int32_t *p, wd v) {
+    vst1_s32(p, vmovn_s64(vcvtq_s64_f64(v)));
+}
+static inline wd wd_max(wd a, wd b) {
+    return vbslq_f64(vcgtq_f64(a, b), a, b);
+}
+static inline wd wd_min(wd a, wd b) {
+    return vbslq_f64(vcltq_f64(a, b), a, b);
+}
+static inline wd wd_sqrt(wd v) {
+    return vsqrtq_f64(v);
+}
+static inline wd wd_floor(wd v) {
+    return vrndmq_f64(v);
+}
+static inline wd wd_where_greater(wd a, wd b, wd yes, wd no) {
+    return vbslq_f64(vcgtq_f64(a, b), yes, no);
+}
+static inline wd wd_where_equal(wd a, wd b, wd yes, wd no) {
+    return vbslq_f64(vceqq_f64(a, b), yes, no);
+}
+
+#endif

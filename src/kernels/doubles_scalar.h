@@ -1,0 +1,44 @@
+/* A vector of one double for the loops over fragments: what the operations of all vectors mean. */
+#ifndef SRC_KERNELS_DOUBLES_SCALAR_H
+#define SRC_KERNELS_DOUBLES_SCALAR_H
+
+#define DOUBLES 1
+
+typedef double wd;
+
+static inline wd wd_splat(double value) {
+    return value;
+}
+static inline wd wd_load_floats(const float *p) {
+    return (double)*p;
+}
+static inline void wd_store_floats(float *p, wd v) {
+    *p = (float)v;
+}
+/* Towards zero; the value must fit. */
+static inline void wd_store_ints(int32_t *p, wd v) {
+    *p = (int32_t)v;
+}
+/* b if one of them is NaN. */
+static inline wd wd_max(wd a, wd b) {
+    return a > b ? a : b;
+}
+static inline wd wd_min(wd a, wd b) {
+    return a < b ? a : b;
+}
+static inline wd wd_sqrt(wd v) {
+    return sqrt(v);
+}
+/* The value must fit an int. */
+static inline wd wd_floor(wd v) {
+    const double truncated = (double)(int32_t)v;
+    return truncated - (truncated > v ? 1.0 : 0.0);
+}
+static inline wd wd_where_greater(wd a, wd b, wd yes, wd no) {
+    return a > b ? yes : no;
+}
+static inline wd wd_where_equal(wd a, wd b, wd yes, wd no) {
+    return a == b ? yes : no;
+}
+
+#endif

@@ -1,0 +1,44 @@
+/* A vector of two doubles for the loops over fragments. + - * / are the compiler's own; the
+ * operations are those of doubles_scalar.h. */
+#ifndef SRC_KERNELS_DOUBLES_SSE2_H
+#define SRC_KERNELS_DOUBLES_SSE2_H
+
+#define DOUBLES 2
+
+typedef __m128d wd;
+
+static inline wd wd_splat(double value) {
+    return _mm_set1_pd(value);
+}
+static inline wd wd_load_floats(const float *p) {
+    return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(const void *)p)));
+}
+static inline void wd_store_floats(float *p, wd v) {
+    _mm_storel_epi64((__m128i *)(void *)p, _mm_castps_si128(_mm_cvtpd_ps(v)));
+}
+static inline void wd_store_ints(int32_t *p, wd v) {
+    _mm_storel_epi64((__m128i *)(void *)p, _mm_cvttpd_epi32(v));
+}
+static inline wd wd_max(wd a, wd b) {
+    return _mm_max_pd(a, b);
+}
+static inline wd wd_min(wd a, wd b) {
+    return _mm_min_pd(a, b);
+}
+static inline wd wd_sqrt(wd v) {
+    return _mm_sqrt_pd(v);
+}
+static inline wd wd_floor(wd v) {
+    const wd truncated = _mm_cvtepi32_pd(_mm_cvttpd_epi32(v));
+    return truncated - _mm_and_pd(_mm_cmpgt_pd(truncated, v), _mm_set1_pd(1.0));
+}
+static inline wd wd_where_greater(wd a, wd b, wd yes, wd no) {
+    const wd mask = _mm_cmpgt_pd(a, b);
+    return _mm_or_pd(_mm_and_pd(mask, yes), _mm_andnot_pd(mask, no));
+}
+static inline wd wd_where_equal(wd a, wd b, wd yes, wd no) {
+    const wd mask = _mm_cmpeq_pd(a, b);
+    return _mm_or_pd(_mm_and_pd(mask, yes), _mm_andnot_pd(mask, no));
+}
+
+#endif

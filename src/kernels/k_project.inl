@@ -1,0 +1,178 @@
+/* Projection of a batch: world positions and planes as the light's map sees them. */
+
+static inline ALWAYS_INLINE wd dot(const double *row, wd x, wd y, wd z) {
+    return (row[0] * x + row[1] * y) + row[2] * z;
+}
+
+static inline ALWAYS_INLINE wd row_at(const double *row, wd x, wd y, wd z) {
+    return dot(row, x, y, z) + row[3];
+}
+
+/* Cut off at both ends; NaN becomes the lower one. */
+static inline ALWAYS_INLINE wd limited(wd value, double limit) {
+    return wd_min(wd_max(value, wd_splat(-limit)), wd_splat(limit));
+}
+
+/* 0 where all three are finite, NaN elsewhere. */
+static inline ALWAYS_INLINE wd zero_if_finite(wd x, wd y, wd z) {
+    return (x * 0.0 + y * 0.0) + z * 0.0;
+}
+
+/* Cut off at one map depth per texel; 0 if undefined. */
+static inline ALWAYS_INLINE wd limited_slope(wd slope) {
+    return wd_where_equal(slope, slope, limited(slope, 1.0), wd_splat(0.0));
+}
+
+/* The rows' first three elements act on directions. A step v in the world moves the point by
+ * a.v / w, b.v / w, c.v / w in x, y, z, where a = row_x - x row_w, and b and c likewise. Within the
+ * plane at constant y the step is b x n, so dz/dx = n.(c x b) / n.(a x b); at constant x it is a x
+ * n, so dz/dy = n.(a x c) / n.(a x b). Written out, the cross products are sums of constant
+ * vectors, of which those with row_w are zero in an affine map. */
+static inline ALWAYS_INLINE void write_slopes(const shb_projection *p, bool affine, wd x, wd y,
+                                              wd z, shb_receivers *restrict r, size_t i) {
+    const double per_column = p->sign * 2 / p->width;
+    const double per_row = p->sign * -2 / p->height; /* rows run down, y runs up */
+    const wd nx = wd_load_floats(r->normal_x + i), ny = wd_load_floats(r->normal_y + i);
+    const wd nz = wd_load_floats(r->normal_z + i);
+    wd ab = dot(p->x_cross_y, nx, ny, nz);
+    wd cb = dot(p->z_cross_y, nx, ny, nz);
+    wd ac = dot(p->x_cross_z, nx, ny, nz);
+    if (!affine) {
+        const wd n_xw = dot(p->x_cross_w, nx, ny, nz);
+        const wd n_yw = dot(p->y_cross_w, nx, ny, nz);
+        const wd n_zw = dot(p->z_cross_w, nx, ny, nz);
+        ab = ab - y * n_xw + x * n_yw;
+        cb = cb - y * n_zw + z * n_yw;
+        ac = ac - z * n_xw + x * n_zw;
+    }
+    wd_store_floats(r->slope_x + i, limited_slope(per_column * cb / ab));
+    wd_store_floats(r->slope_y + i, limited_slope(per_row * ac / ab));
+}
+
+static inline ALWAYS_INLINE void write_scales(const shb_projection *p, wd w,
+                                              shb_receivers *restrict r, size_t i) {
+    const wd largest = wd_splat((double)FLT_MAX);
+    wd_store_floats(r->texel_size + i, wd_min(p->texel_scale * w, largest));
+    wd_store_floats(r->depth_per_world + i, wd_min(p->depth_scale / (w * w), largest));
+}
+
+static inline ALWAYS_INLINE void write_texels(const shb_projection *p, wd x, wd y, wd z,
+                                              shb_receivers *restrict r, size_t i) {
+    const double limit = -(double)SHB_TEXEL_NONE;
+    const wd column = limited((x * 0.5 + 0.5) * p->width, limit);
+    const wd row = limited((0.5 - y * 0.5) * p->height, limit);
+    const wd texel_x = wd_floor(column), texel_y = wd_floor(row);
+    wd_store_ints(r->texel_x + i, texel_x);
+    wd_store_ints(r->texel_y + i, texel_y);
+    wd_store_floats(r->to_center_x + i, texel_x + 0.5 - column);
+    wd_store_floats(r->to_center_y + i, texel_y + 0.5 - row);
+    wd_store_floats(r->depth + i, limited(p->sign * z, limit));
+}
+
+/* A point that has no coordinates, behind the light or not finite, gets NaN for x and y, 0 for z
+ * and 1 for w. */
+static inline ALWAYS_INLINE void project(const shb_projection *projection, bool affine, bool scale,
+                                         bool slope, size_t count, shb_receivers *restrict r) {
+    const shb_projection p = *projection;
+    const wd zero = wd_splat(0.0), one = wd_splat(1.0), none = wd_splat((double)NAN);
+    const size_t lanes = shb_round_to_lanes(count);
+    for (size_t i = 0; i < lanes; i += DOUBLES) {
+        const wd px = wd_load_floats(r->x + i), py = wd_load_floats(r->y + i);
+        const wd pz = wd_load_floats(r->z + i);
+        wd x = row_at(p.row_x, px, py, pz);
+        wd y = row_at(p.row_y, px, py, pz);
+        wd z = row_at(p.row_z, px, py, pz);
+        wd w = one;
+        if (!affine) {
+            w = row_at(p.row_w, px, py, pz);
+            const wd inverse = wd_where_greater(w, zero, 1.0 / w, none);
+            x *= inverse;
+            y *= inverse;
+            z *= inverse;
+        }
+        const wd good = zero_if_finite(x, y, z);
+        x += good;
+        y += good;
+        z = wd_where_equal(good, zero, z, zero);
+        write_texels(&p, x, y, z, r, i);
+        if (scale)
+            write_scales(&p, wd_where_equal(good, zero, w, one), r, i);
+        if (slope)
+            write_slopes(&p, affine, x, y, z, r, i);
+    }
+}
+
+/* The scales of an affine map are those of w = 1 everywhere. */
+static void fill_scales(const shb_projection *projection, size_t count, shb_receivers *restrict r) {
+    const double largest = (double)FLT_MAX;
+    const float texel_size = (float)fmin(projection->texel_scale, largest);
+    const float depth_per_world = (float)fmin(projection->depth_scale, largest);
+    const size_t lanes = shb_round_to_lanes(count);
+    for (size_t i = 0; i < lanes; i++) {
+        r->texel_size[i] = texel_size;
+        r->depth_per_world[i] = depth_per_world;
+    }
+}
+
+static void project_batch(const shb_projection *projection, uint32_t needs, size_t count,
+                          shb_receivers *receivers) {
+    const bool scale = (needs & SHB_NEEDS_SCALE) != 0, slope = (needs & SHB_NEEDS_SLOPE) != 0;
+    if (projection->affine) {
+        if (slope)
+            project(projection, true, false, true, count, receivers);
+        else
+            project(projection, true, false, false, count, receivers);
+        if (scale)
+            fill_scales(projection, count, receivers);
+    } else if (slope) {
+        if (scale)
+            project(projection, false, true, true, count, receivers);
+        else
+            project(projection, false, false, true, count, receivers);
+    } else {
+        if (scale)
+            project(projection, false, true, false, count, receivers);
+        else
+            project(projection, false, false, false, count, receivers);
+    }
+}
+
+static void turn_normals(const shb_projection *projection, size_t count,
+                         shb_receivers *restrict r) {
+    const shb_projection p = *projection;
+    const wd zero = wd_splat(0.0), one = wd_splat(1.0), none = wd_splat((double)NAN);
+    const size_t lanes = shb_round_to_lanes(count);
+    for (size_t i = 0; i < lanes; i += DOUBLES) {
+        const wd away_x = p.light[0] - p.light_w * wd_load_floats(r->x + i);
+        const wd away_y = p.light[1] - p.light_w * wd_load_floats(r->y + i);
+        const wd away_z = p.light[2] - p.light_w * wd_load_floats(r->z + i);
+        const wd length = wd_sqrt((away_x * away_x + away_y * away_y) + away_z * away_z);
+        const wd scale = 1.0 / wd_where_greater(length, zero, length, one);
+        const wd light_x = away_x * scale, light_y = away_y * scale, light_z = away_z * scale;
+        const wd nx = wd_load_floats(r->normal_x + i), ny = wd_load_floats(r->normal_y + i);
+        const wd nz = wd_load_floats(r->normal_z + i);
+        const wd squared = (nx * nx + ny * ny) + nz * nz;
+        const wd usable = wd_where_greater(squared, zero, squared, none) * 0.0; /* 0 or NaN */
+        const wd cosine = (nx * light_x + ny * light_y) + nz * light_z;
+        const wd side = wd_where_greater(zero, cosine, wd_splat(-1.0), one);
+        const wd size = wd_min(cosine * side, one);
+        wd_store_floats(r->normal_x + i, wd_where_equal(usable, zero, side * nx, light_x));
+        wd_store_floats(r->normal_y + i, wd_where_equal(usable, zero, side * ny, light_y));
+        wd_store_floats(r->normal_z + i, wd_where_equal(usable, zero, side * nz, light_z));
+        wd_store_floats(r->cosine + i, wd_where_equal(usable, zero, size, one));
+    }
+}
+
+static void load_triples(const float *restrict triples, size_t count, float *restrict x,
+                         float *restrict y, float *restrict z) {
+    for (size_t i = 0; i < count; i++) {
+        x[i] = triples[3 * i];
+        y[i] = triples[3 * i + 1];
+        z[i] = triples[3 * i + 2];
+    }
+    for (size_t i = count; i < shb_round_to_lanes(count); i++) {
+        x[i] = x[count - 1];
+        y[i] = y[count - 1];
+        z[i] = z[count - 1];
+    }
+}

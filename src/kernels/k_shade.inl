@@ -1,0 +1,33 @@
+/* The loops of shading for one instruction set. The including file has chosen the target, included
+ * its doubles and defined SHADE_KERNELS, the name of the table. */
+
+#include <float.h>
+
+#include "../format.h"
+#include "shade.h"
+
+#define ALWAYS_INLINE __attribute__((always_inline))
+
+#include "k_project.inl"
+
+#include "k_lookup.inl"
+
+#include "k_bias.inl"
+
+const shb_shade_kernels SHADE_KERNELS = {
+    .load = load_triples,
+    .project = project_batch,
+    .normals = turn_normals,
+    .fetch = fetch,
+    .hard = hard,
+    .own_depth = own_depth,
+    .constant = constant_depth,
+    .slope = slope_depth,
+    .angle = angle_depth,
+    .receiver_plane = receiver_plane_depth,
+    .adaptive = adaptive_depth,
+    .adaptive_soft = adaptive_soft_depth,
+    .normal_offset = normal_offset,
+    .normal_offset_depth = normal_offset_depth,
+    .texel_cone = texel_cone,
+};

@@ -1,0 +1,10 @@
+#include "target.h"
+
+/* One element at a time: what the vectors of all instruction sets have to agree with. */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("no-tree-vectorize")
+#endif
+
+#include "doubles_scalar.h"
+#define SHADE_KERNELS shb_shade_kernels_scalar
+#include "k_shade.inl"
