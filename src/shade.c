@@ -7,13 +7,13 @@
 
 #include "context.h"
 #include "fragments.h"
-#include "map.h"
 #include "kernels/shade.h"
+#include "map.h"
 #include "scene.h"
 #include "visibility.h"
 
-/* Rows of a task: enough to meet triangles again, few enough to keep all threads busy. */
-#define ROWS_PER_TASK 16
+/* Pixels of a task: rows enough to meet triangles again, narrow enough to keep those of a row. */
+enum { TASK_COLUMNS = SHB_BATCH, TASK_ROWS = 32 };
 
 /* One call of shb_shade, shared by its tasks. */
 typedef struct shading {
@@ -21,7 +21,9 @@ typedef struct shading {
     shb_light_source eye;
     shb_light_source lights[SHB_LIGHTS_MAX];
     shb_filter filters[SHB_LIGHTS_MAX];
+    const shb_shade_kernels *kernels;
     uint8_t background[3];
+    uint32_t tasks_across;
 } shading;
 
 /* The arrays of one task. */
@@ -113,70 +115,46 @@ static shb_result check(const shb_context *context, const shb_shade_desc *desc) 
     return result == SHB_OK ? check_lights(context, desc) : result;
 }
 
-/* NaN becomes 0. */
-static float clamp_unit(float value) {
-    return value > 0 ? (value < 1 ? value : 1) : 0;
-}
-
-/* The image's square root; + 0.5 rounds to the nearest. */
-static uint8_t display_byte(float linear) {
-    return (uint8_t)(sqrtf(clamp_unit(linear)) * 255.0f + 0.5f);
-}
-
 /* A light's share of a batch; all fragments go through the map, so that vectors stay full. */
 static void ask_light(const shading *job, size_t k, size_t count, workspace *work) {
     const shb_shade_light *light = &job->desc->lights[k];
     const shb_fragments *fragments = &work->fragments;
     shb_receivers *receivers = &work->receivers;
-    memcpy(receivers->x, fragments->x, sizeof receivers->x);
-    memcpy(receivers->y, fragments->y, sizeof receivers->y);
-    memcpy(receivers->z, fragments->z, sizeof receivers->z);
-    memcpy(receivers->normal_x, fragments->normal_x, sizeof receivers->normal_x);
-    memcpy(receivers->normal_y, fragments->normal_y, sizeof receivers->normal_y);
-    memcpy(receivers->normal_z, fragments->normal_z, sizeof receivers->normal_z);
-    float *visibility = work->lighting[k].visibility;
+    const size_t size = shb_round_to_lanes(count) * sizeof *receivers->x;
+    memcpy(receivers->x, fragments->x, size);
+    memcpy(receivers->y, fragments->y, size);
+    memcpy(receivers->z, fragments->z, size);
+    memcpy(receivers->normal_x, fragments->normal_x, size);
+    memcpy(receivers->normal_y, fragments->normal_y, size);
+    memcpy(receivers->normal_z, fragments->normal_z, size);
+    shb_lighting *lighting = &work->lighting[k];
+    float *visibility = lighting->visibility;
     shb_visibility_batch(light->map, light->bias, &job->filters[k], count, receivers, visibility);
     for (size_t i = count; i % SHB_LANES; i++)
         visibility[i] = visibility[count - 1];
-    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
-        if (!(work->facing[i] >> k & 1))
-            visibility[i] = 0;
+    job->kernels->lighting(&job->lights[k], (uint32_t)k, count, fragments, work->facing, lighting);
 }
 
-/* Cosines between shading normals and directions to the light, in double: distances may be large.
- */
-static void write_cosines(const shb_light_source *light, size_t k, size_t count, workspace *work) {
-    const shb_fragments *fragments = &work->fragments;
-    float *cosine = work->lighting[k].cosine;
-    for (size_t i = 0; i < shb_round_to_lanes(count); i++) {
-        const double x = light->position.x - light->w * (double)fragments->x[i];
-        const double y = light->position.y - light->w * (double)fragments->y[i];
-        const double z = light->position.z - light->w * (double)fragments->z[i];
-        const double along = x * (double)fragments->shading_x[i] +
-                             y * (double)fragments->shading_y[i] +
-                             z * (double)fragments->shading_z[i];
-        const float value = (float)(along / sqrt(x * x + y * y + z * z));
-        cosine[i] = work->facing[i] >> k & 1 ? clamp_unit(value) : 0;
-    }
-}
-
-static void write_pixels(const shb_image *image, size_t count, const workspace *work) {
+static void write_pixels(const shading *job, size_t count, const workspace *work) {
+    const shb_image *image = &job->desc->image;
     const size_t stride = image->stride ? image->stride : 3 * (size_t)image->width;
     uint8_t *row = image->pixels + (size_t)work->fragments.pixel_y[0] * stride;
+    uint8_t red[SHB_BATCH], green[SHB_BATCH], blue[SHB_BATCH];
+    job->kernels->display(count, work->red, red);
+    job->kernels->display(count, work->green, green);
+    job->kernels->display(count, work->blue, blue);
     for (size_t i = 0; i < count; i++) {
         uint8_t *pixel = row + 3 * (size_t)work->fragments.pixel_x[i];
-        pixel[0] = display_byte(work->red[i]);
-        pixel[1] = display_byte(work->green[i]);
-        pixel[2] = display_byte(work->blue[i]);
+        pixel[0] = red[i];
+        pixel[1] = green[i];
+        pixel[2] = blue[i];
     }
 }
 
 static void shade_batch(const shading *job, size_t count, workspace *work) {
     const shb_shade_desc *desc = job->desc;
-    for (size_t k = 0; k < desc->light_count; k++) {
+    for (size_t k = 0; k < desc->light_count; k++)
         ask_light(job, k, count, work);
-        write_cosines(&job->lights[k], k, count, work);
-    }
     memset(work->red, 0, sizeof work->red);
     memset(work->green, 0, sizeof work->green);
     memset(work->blue, 0, sizeof work->blue);
@@ -185,33 +163,37 @@ static void shade_batch(const shading *job, size_t count, workspace *work) {
                                  work->red,    work->green,      work->blue};
     desc->shade(&args);
     if (desc->image.pixels)
-        write_pixels(&desc->image, count, work);
+        write_pixels(job, count, work);
 }
 
-static void clear_row(const shading *job, uint32_t row) {
+static void clear_span(const shading *job, const shb_fragment_span *span) {
     const shb_image *image = &job->desc->image;
     const size_t stride = image->stride ? image->stride : 3 * (size_t)image->width;
-    uint8_t *pixels = image->pixels + row * stride;
-    for (size_t x = 0; x < image->width; x++)
+    uint8_t *pixels = image->pixels + span->row * stride;
+    for (size_t x = span->column; x < span->end; x++)
         memcpy(pixels + 3 * x, job->background, 3);
 }
 
-static void shade_rows(void *arg, size_t index) {
+static uint32_t min_u32(uint32_t a, uint32_t b) {
+    return a < b ? a : b;
+}
+
+static void shade_block(void *arg, size_t index) {
     const shading *job = arg;
     const shb_frame *frame = &job->desc->frame;
-    const uint32_t first = (uint32_t)index * ROWS_PER_TASK;
-    const uint32_t left = frame->height - first;
-    const uint32_t end = first + (left < ROWS_PER_TASK ? left : ROWS_PER_TASK);
+    const uint32_t top = (uint32_t)index / job->tasks_across * TASK_ROWS;
+    const uint32_t bottom = min_u32(top + TASK_ROWS, frame->height);
+    const uint32_t left = (uint32_t)index % job->tasks_across * TASK_COLUMNS;
+    const uint32_t right = min_u32(left + TASK_COLUMNS, frame->width);
     workspace work;
-    memset(&work.fragments, 0, sizeof work.fragments);
-    shb_fragment_reader_init(&work.reader, frame, job->eye, job->lights, job->desc->light_count);
-    for (uint32_t row = first; row < end; row++) {
+    shb_fragment_reader_init(&work.reader, job->kernels, frame, job->eye, job->lights,
+                             job->desc->light_count);
+    for (uint32_t row = top; row < bottom; row++) {
+        shb_fragment_span span = {row, left, right};
         if (job->desc->image.pixels)
-            clear_row(job, row);
-        uint32_t column = 0;
+            clear_span(job, &span);
         size_t count;
-        while ((count = shb_fragments_read(&work.reader, row, &column, &work.fragments,
-                                           work.facing)) > 0)
+        while ((count = shb_fragments_read(&work.reader, &span, &work.fragments, work.facing)) > 0)
             shade_batch(job, count, &work);
     }
 }
@@ -222,16 +204,17 @@ shb_result shb_shade(shb_context *context, const shb_shade_desc *desc) {
     const shb_result result = check(context, desc);
     if (result != SHB_OK)
         return result;
-    shading job = {.desc = desc};
+    shading job = {.desc = desc,
+                   .kernels = context->shade_kernels,
+                   .tasks_across = (desc->frame.width + TASK_COLUMNS - 1) / TASK_COLUMNS};
     if (shb_view_light_source(desc->frame.view, &job.eye) != SHB_OK)
         return fail(context, SHB_ERROR_NUMBER, "desc.frame.view cannot be inverted");
     for (size_t k = 0; k < desc->light_count; k++) {
         job.lights[k] = shb_map_get_info(desc->lights[k].map)->light;
         job.filters[k] = desc->lights[k].filter ? *desc->lights[k].filter : shb_filter_hard();
     }
-    for (int channel = 0; channel < 3; channel++)
-        job.background[channel] = display_byte(desc->background[channel]);
-    shb_parallel_for(context, shade_rows, &job,
-                     (desc->frame.height + ROWS_PER_TASK - 1) / ROWS_PER_TASK);
+    job.kernels->display(3, desc->background, job.background);
+    const uint32_t tasks_down = (desc->frame.height + TASK_ROWS - 1) / TASK_ROWS;
+    shb_parallel_for(context, shade_block, &job, (size_t)job.tasks_across * tasks_down);
     return SHB_OK;
 }

@@ -12,21 +12,8 @@
 
 #include "surface.h"
 
-#include <math.h>
-
-#include "matrix.h"
 #include "scene.h"
-
-/* The instance of a triangle id and the triangle's number in its mesh; NULL if there is none. */
-static const shb_instance *find_instance(const shb_scene *scene, uint32_t *id) {
-    for (size_t i = 0; i < scene->instance_count; i++) {
-        const uint32_t count = scene->instances[i].mesh->triangle_count;
-        if (*id < count)
-            return &scene->instances[i];
-        *id -= count;
-    }
-    return NULL;
-}
+#include "vector.h"
 
 static shb_vec3 from_floats(const float *v) {
     return (shb_vec3){(double)v[0], (double)v[1], (double)v[2]};
@@ -40,18 +27,6 @@ static shb_vec3 clip_xyw(const shb_mat4 *a, shb_vec3 v, double v_w) {
                       m[3] * v.x + m[7] * v.y + m[11] * v.z + m[15] * v_w};
 }
 
-/* Columns of the matrix that takes the outward side of a surface through a transform: its inverse
- * transpose, up to a positive factor, which is its cofactors with the sign of its determinant. */
-static void normal_columns(const shb_mat4 *a, bool mirrors, shb_vec3 columns[3]) {
-    const double sign = mirrors ? -1 : 1;
-    const shb_vec3 x = {a->m[0], a->m[1], a->m[2]};
-    const shb_vec3 y = {a->m[4], a->m[5], a->m[6]};
-    const shb_vec3 z = {a->m[8], a->m[9], a->m[10]};
-    columns[0] = shb_vec3_scale(shb_vec3_cross(y, z), sign);
-    columns[1] = shb_vec3_scale(shb_vec3_cross(z, x), sign);
-    columns[2] = shb_vec3_scale(shb_vec3_cross(x, y), sign);
-}
-
 static shb_vec3 transform_normal(const shb_vec3 columns[3], shb_vec3 n) {
     return (shb_vec3){columns[0].x * n.x + columns[1].x * n.y + columns[2].x * n.z,
                       columns[0].y * n.x + columns[1].y * n.y + columns[2].y * n.z,
@@ -59,10 +34,10 @@ static shb_vec3 transform_normal(const shb_vec3 columns[3], shb_vec3 n) {
 }
 
 static shb_vec3 front_normal(const shb_vec3 corners[3], bool mirrors) {
-    const shb_vec3 cross = shb_vec3_cross(shb_vec3_subtract(corners[1], corners[0]),
-                                          shb_vec3_subtract(corners[2], corners[0]));
-    const shb_vec3 normal = shb_vec3_normalize(shb_vec3_scale(cross, mirrors ? -1 : 1));
-    return shb_vec3_is_finite(normal) ? normal : (shb_vec3){0};
+    const shb_vec3 cross =
+        vec3_cross(vec3_subtract(corners[1], corners[0]), vec3_subtract(corners[2], corners[0]));
+    const shb_vec3 normal = vec3_normalize(vec3_scale(cross, mirrors ? -1 : 1));
+    return vec3_is_finite(normal) ? normal : (shb_vec3){0};
 }
 
 static void prepare_weights(const shb_view *camera, shb_surface_triangle *triangle) {
@@ -71,54 +46,83 @@ static void prepare_weights(const shb_view *camera, shb_surface_triangle *triang
         triangle->clip[k] = clip_xyw(matrix, triangle->corners[k], 1);
     for (int k = 0; k < 3; k++) {
         const int a = (k + 1) % 3, b = (k + 2) % 3;
-        const shb_vec3 edge = shb_vec3_subtract(triangle->corners[b], triangle->corners[a]);
-        triangle->cofactors[k] = shb_vec3_cross(triangle->clip[a], clip_xyw(matrix, edge, 0));
+        const shb_vec3 edge = vec3_subtract(triangle->corners[b], triangle->corners[a]);
+        triangle->cofactors[k] = vec3_cross(triangle->clip[a], clip_xyw(matrix, edge, 0));
     }
     /* Points in front of the camera get the sign of the determinant: make it positive. */
-    if (shb_vec3_dot(triangle->clip[0], triangle->cofactors[0]) < 0)
+    if (vec3_dot(triangle->clip[0], triangle->cofactors[0]) < 0)
         for (int k = 0; k < 3; k++)
-            triangle->cofactors[k] = shb_vec3_scale(triangle->cofactors[k], -1);
+            triangle->cofactors[k] = vec3_scale(triangle->cofactors[k], -1);
 }
 
-static void prepare_shading(const shb_mesh *mesh, const uint32_t vertices[3],
-                            const shb_mat4 *transform, shb_surface_triangle *triangle) {
-    triangle->has_normals = mesh->normals != NULL;
-    if (!triangle->has_normals)
-        return;
-    shb_vec3 columns[3];
-    normal_columns(transform, shb_transform_mirrors(transform), columns);
+/* Without normals a sum of zeros leads to the triangle's own. */
+static void prepare_shading(const shb_surface_instance *instance, const uint32_t vertices[3],
+                            shb_surface_triangle *triangle) {
+    const shb_mesh *mesh = instance->mesh;
     for (int k = 0; k < 3; k++)
         triangle->shading[k] =
-            transform_normal(columns, from_floats(shb_mesh_normal(mesh, vertices[k])));
+            mesh->normals ? transform_normal(instance->normal_columns,
+                                             from_floats(shb_mesh_normal(mesh, vertices[k])))
+                          : (shb_vec3){0};
 }
 
-bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_t id,
-                         shb_surface_triangle *triangle) {
-    uint32_t local = id;
-    const shb_instance *instance = find_instance(scene, &local);
-    if (!instance)
-        return false;
+/* Columns of the matrix that takes the outward side of a surface through a transform: its inverse
+ * transpose, up to a positive factor, which is its cofactors with the sign of its determinant. */
+static void normal_columns(const shb_mat4 *a, bool mirrors, shb_vec3 columns[3]) {
+    const double sign = mirrors ? -1 : 1;
+    const shb_vec3 x = {a->m[0], a->m[1], a->m[2]};
+    const shb_vec3 y = {a->m[4], a->m[5], a->m[6]};
+    const shb_vec3 z = {a->m[8], a->m[9], a->m[10]};
+    columns[0] = vec3_scale(vec3_cross(y, z), sign);
+    columns[1] = vec3_scale(vec3_cross(z, x), sign);
+    columns[2] = vec3_scale(vec3_cross(x, y), sign);
+}
+
+bool shb_surface_find_instance(const shb_scene *scene, uint32_t id, shb_surface_instance *found) {
+    uint32_t first = 0;
+    for (size_t i = 0; i < scene->instance_count; i++) {
+        const shb_instance *instance = &scene->instances[i];
+        if (id - first < instance->mesh->triangle_count) {
+            found->mesh = instance->mesh;
+            found->first_id = first;
+            found->transform = shb_instance_transform(instance);
+            found->mirrors = shb_transform_mirrors(&found->transform);
+            normal_columns(&found->transform, found->mirrors, found->normal_columns);
+            return true;
+        }
+        first += instance->mesh->triangle_count;
+    }
+    return false;
+}
+
+bool shb_surface_prepare_of(const shb_surface_instance *instance, const shb_view *camera,
+                            uint32_t id, shb_surface_triangle *triangle) {
     const shb_mesh *mesh = instance->mesh;
-    const shb_mat4 transform = shb_instance_transform(instance);
-    const bool mirrors = shb_transform_mirrors(&transform);
     uint32_t vertices[3];
     shb_vec3 corners[3];
-    shb_mesh_triangle(mesh, local, vertices);
+    shb_mesh_triangle(mesh, id - instance->first_id, vertices);
     for (int k = 0; k < 3; k++) {
         if (vertices[k] >= mesh->vertex_count)
             return false;
         const shb_vec3 position = from_floats(shb_mesh_position(mesh, vertices[k]));
-        corners[k] = shb_mat4_transform_point(transform, position);
-        if (!shb_vec3_is_finite(corners[k]))
+        corners[k] = mat4_transform_point(&instance->transform, position);
+        if (!vec3_is_finite(corners[k]))
             return false;
     }
     triangle->id = id;
     for (int k = 0; k < 3; k++)
         triangle->corners[k] = corners[k];
-    triangle->normal = front_normal(triangle->corners, mirrors);
+    triangle->normal = front_normal(triangle->corners, instance->mirrors);
     prepare_weights(camera, triangle);
-    prepare_shading(mesh, vertices, &transform, triangle);
+    prepare_shading(instance, vertices, triangle);
     return true;
+}
+
+bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_t id,
+                         shb_surface_triangle *triangle) {
+    shb_surface_instance instance;
+    return shb_surface_find_instance(scene, id, &instance) &&
+           shb_surface_prepare_of(&instance, camera, id, triangle);
 }
 
 /* The nearest of the points seen so far to a pixel's centre, on the screen. */
@@ -138,8 +142,8 @@ static shb_vec3 from_center(const nearest_point *nearest, shb_vec3 clip) {
 
 /* Considers the point of the edge a, b with weight t at b. */
 static void consider_point(nearest_point *nearest, const shb_vec3 clip[3], int a, int b, double t) {
-    const shb_vec3 edge = shb_vec3_subtract(clip[b], clip[a]);
-    const shb_vec3 way = from_center(nearest, shb_vec3_add(clip[a], shb_vec3_scale(edge, t)));
+    const shb_vec3 edge = vec3_subtract(clip[b], clip[a]);
+    const shb_vec3 way = from_center(nearest, vec3_add(clip[a], vec3_scale(edge, t)));
     if (!(way.z > 0))
         return;
     const double distance = (way.x * way.x + way.y * way.y) / (way.z * way.z);
@@ -211,18 +215,15 @@ shb_vec3 shb_surface_point(const shb_surface_triangle *triangle, const double we
 
 shb_vec3 shb_surface_shading_normal(const shb_surface_triangle *triangle, const double weights[3]) {
     const shb_vec3 n = triangle->normal;
-    if (!triangle->has_normals)
-        return n;
     const shb_vec3 sum = combine(triangle->shading, weights);
     const double length = sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
     if (!(length > 0 && isfinite(length)))
         return n;
     const double side = n.x * sum.x + n.y * sum.y + n.z * sum.z < 0 ? -1 : 1;
-    return shb_vec3_scale(sum, side / length);
+    return vec3_scale(sum, side / length);
 }
 
 bool shb_surface_faces(const shb_surface_triangle *triangle, const shb_light_source *eye) {
-    const shb_vec3 to_eye =
-        shb_vec3_subtract(eye->position, shb_vec3_scale(triangle->corners[0], eye->w));
-    return shb_vec3_dot(triangle->normal, to_eye) > 0;
+    const shb_vec3 to_eye = vec3_subtract(eye->position, vec3_scale(triangle->corners[0], eye->w));
+    return vec3_dot(triangle->normal, to_eye) > 0;
 }

@@ -10,12 +10,27 @@ typedef struct shb_surface_triangle {
     shb_vec3 normal;       /* unit, by winding; zero for a triangle without area */
     shb_vec3 clip[3];      /* the corners' x, y and w */
     shb_vec3 cofactors[3]; /* rows: weight of corner k at ndc (x, y) ~ dot(row k, (x, y, 1)) >= 0 */
-    bool has_normals;
-    shb_vec3 shading[3]; /* world, not normalised */
+    shb_vec3 shading[3];   /* world, not normalised; zero where the mesh has no normals */
 } shb_surface_triangle;
 
-/* Prepares a triangle of the scene for one camera; false when the scene has no such id or a corner
- * is not finite. */
+/* What the triangles of an instance have in common. */
+typedef struct shb_surface_instance {
+    const shb_mesh *mesh;
+    uint32_t first_id;
+    bool mirrors;
+    shb_mat4 transform;
+    shb_vec3 normal_columns[3]; /* of the matrix that takes normals to the world */
+} shb_surface_instance;
+
+/* The instance that a triangle id belongs to; false when the scene has no such id. */
+bool shb_surface_find_instance(const shb_scene *scene, uint32_t id, shb_surface_instance *instance);
+
+/* Prepares a triangle of the instance for one camera; false, and nothing is written, when an index
+ * is out of range or a corner is not finite. */
+bool shb_surface_prepare_of(const shb_surface_instance *instance, const shb_view *camera,
+                            uint32_t id, shb_surface_triangle *triangle);
+
+/* The same for any triangle of a scene; false also when the scene has no such id. */
 bool shb_surface_prepare(const shb_scene *scene, const shb_view *camera, uint32_t id,
                          shb_surface_triangle *triangle);
 

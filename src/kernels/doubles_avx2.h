@@ -13,6 +13,16 @@ static inline wd wd_splat(double value) {
 static inline wd wd_load_floats(const float *p) {
     return _mm256_cvtps_pd(_mm_loadu_ps(p));
 }
+static inline wd wd_load_ints(const int32_t *p) {
+    return _mm256_cvtepi32_pd(_mm_loadu_si128((const __m128i *)(const void *)p));
+}
+static inline double wd_at(const void *record, size_t offset) {
+    return *(const double *)(const void *)((const char *)record + offset);
+}
+static inline wd wd_gather(const void *const *records, size_t offset) {
+    return _mm256_setr_pd(wd_at(records[0], offset), wd_at(records[1], offset),
+                          wd_at(records[2], offset), wd_at(records[3], offset));
+}
 static inline void wd_store_floats(float *p, wd v) {
     _mm_storeu_ps(p, _mm256_cvtpd_ps(v));
 }

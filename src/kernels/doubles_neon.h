@@ -13,6 +13,15 @@ static inline wd wd_splat(double value) {
 static inline wd wd_load_floats(const float *p) {
     return vcvt_f64_f32(vld1_f32(p));
 }
+static inline wd wd_load_ints(const int32_t *p) {
+    return vcvtq_f64_s64(vmovl_s32(vld1_s32(p)));
+}
+static inline double wd_at(const void *record, size_t offset) {
+    return *(const double *)(const void *)((const char *)record + offset);
+}
+static inline wd wd_gather(const void *const *records, size_t offset) {
+    return (wd){wd_at(records[0], offset), wd_at(records[1], offset)};
+}
 static inline void wd_store_floats(float *p, wd v) {
     vst1_f32(p, vcvt_f32_f64(v));
 }

@@ -12,6 +12,13 @@ static inline wd wd_splat(double value) {
 static inline wd wd_load_floats(const float *p) {
     return (double)*p;
 }
+static inline wd wd_load_ints(const int32_t *p) {
+    return (double)*p;
+}
+/* The double at this offset of as many records. */
+static inline wd wd_gather(const void *const *records, size_t offset) {
+    return *(const double *)(const void *)((const char *)records[0] + offset);
+}
 static inline void wd_store_floats(float *p, wd v) {
     *p = (float)v;
 }

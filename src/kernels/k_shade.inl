@@ -2,6 +2,7 @@
  * its doubles and defined SHADE_KERNELS, the name of the table. */
 
 #include <float.h>
+#include <stddef.h>
 
 #include "../format.h"
 #include "shade.h"
@@ -13,6 +14,8 @@
 #include "k_lookup.inl"
 
 #include "k_bias.inl"
+
+#include "k_fragments.inl"
 
 const shb_shade_kernels SHADE_KERNELS = {
     .load = load_triples,
@@ -30,4 +33,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .normal_offset = normal_offset,
     .normal_offset_depth = normal_offset_depth,
     .texel_cone = texel_cone,
+    .fragments = read_fragments,
+    .lighting = light_fragments,
+    .display = display_bytes,
 };

@@ -4,6 +4,13 @@
 #define SRC_KERNELS_SHADE_H
 
 #include "../project.h"
+#include "../surface.h"
+
+/* A row of pixels of a frame of this size. */
+typedef struct shb_pixel_row {
+    uint32_t width, height;
+    uint32_t row;
+} shb_pixel_row;
 
 typedef struct shb_shade_kernels {
     /* Copies count triples without gaps; the last one fills up the lanes. */
@@ -30,6 +37,21 @@ typedef struct shb_shade_kernels {
     void (*own_depth)(size_t count, shb_receivers *receivers);
     shb_bias_fn *constant, *slope, *angle, *receiver_plane, *adaptive, *adaptive_soft;
     shb_bias_fn *normal_offset, *normal_offset_depth, *texel_cone;
+
+    /* Fragments of pixels whose pixel_x is written and whose triangles are prepared: records[i] is
+     * an shb_surface_triangle. outside[i] is NaN where the pixel's centre lies outside of it: that
+     * fragment is not right yet. */
+    void (*fragments)(const shb_pixel_row *row, size_t count, const void *const *records,
+                      shb_fragments *fragments, float *outside);
+
+    /* Writes the cosines of light number number, and takes the visibility away from triangles that
+     * do not face it. */
+    void (*lighting)(const shb_light_source *light, uint32_t number, size_t count,
+                     const shb_fragments *fragments, const uint32_t *facing,
+                     shb_lighting *lighting);
+
+    /* Linear colours to bytes of an image. */
+    void (*display)(size_t count, const float *linear, uint8_t *bytes);
 } shb_shade_kernels;
 
 /* Never NULL. */
