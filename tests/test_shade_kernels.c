@@ -1,0 +1,383 @@
+/* Every instruction set has to shade with the very bits of the scalar kernels. */
+#include "../src/context.h"
+
+#include "random.h"
+#include "shadowbias/shadowbias.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAP = 64 };
+
+typedef struct lit_map {
+    shb_context *context;
+    shb_map *map;
+    float *texels;
+} lit_map;
+
+/* A map of random depths, of which some are empty, seen by a directional or a spot light. */
+static lit_map new_map(shb_isa isa, bool spot, bool reversed, shb_format format) {
+    lit_map made = {0};
+    const shb_context_desc desc = {.max_isa = isa, .threads = 1};
+    CHECK_INT(shb_context_create(&desc, &made.context), SHB_OK);
+    shb_map_desc map = {.width = MAP, .height = MAP, .format = format, .scene_scale = 3};
+    const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
+    if (spot)
+        CHECK_INT(shb_view_fit_spot((shb_vec3){3, 4, 2}, box, MAP, reversed, &map.view), SHB_OK);
+    else
+        CHECK_INT(shb_view_fit_directional((shb_vec3){3, 4, 2}, box, MAP, reversed, &map.view),
+                  SHB_OK);
+    made.texels = malloc(MAP * MAP * sizeof *made.texels);
+    test_random random = {7};
+    for (int i = 0; i < MAP * MAP; i++) {
+        const double depth = random_double(&random, 0, 1);
+        if (format == SHB_FORMAT_FLOAT32)
+            made.texels[i] = (float)depth;
+        else if (format == SHB_FORMAT_UNORM24)
+            ((uint32_t *)(void *)made.texels)[i] = (uint32_t)(depth * 0xffffff);
+        else
+            ((uint16_t *)(void *)made.texels)[i] = (uint16_t)(depth * 0xffff);
+    }
+    CHECK_INT(shb_map_wrap(made.context, &map, made.texels, 0, NULL, &made.map), SHB_OK);
+    return made;
+}
+
+static void destroy_map(lit_map *made) {
+    shb_map_destroy(made->map);
+    shb_context_destroy(made->context);
+    free(made->texels);
+}
+
+/* Mostly a number of the scene; else one that no scene should hold. */
+static float nasty(test_random *random) {
+    static const float odd[] = {NAN,    INFINITY, -INFINITY, 0.0f,   -0.0f, 1e30f, -1e30f,
+                                1e-40f, 3e38f,    -3e38f,    1e-30f, 50.0f, -50.0f};
+    if (random_below(random, 12) == 0)
+        return odd[random_below(random, sizeof odd / sizeof *odd)];
+    return (float)random_double(random, -1.1, 1.1);
+}
+
+enum { POINTS = 3000 };
+
+typedef struct points {
+    float positions[3 * POINTS], normals[3 * POINTS];
+} points;
+
+/* Some normals are those of planes along the light's rays, to both sides of parallel. */
+static points *new_points(shb_vec3 to_light, uint64_t seed) {
+    points *made = malloc(sizeof *made);
+    test_random random = {seed};
+    for (int i = 0; i < 3 * POINTS; i++) {
+        made->positions[i] = nasty(&random);
+        made->normals[i] = nasty(&random);
+    }
+    for (int i = 0; i < POINTS; i += 7) {
+        const shb_vec3 side = {made->positions[3 * i], 1, 0.5};
+        const shb_vec3 normal = shb_vec3_normalize(shb_vec3_cross(to_light, side));
+        made->normals[3 * i] = (float)normal.x;
+        made->normals[3 * i + 1] = (float)normal.y;
+        made->normals[3 * i + 2] = (float)normal.z;
+    }
+    return made;
+}
+
+/* All that a batch can hold, so that every array is compared. */
+static const uint32_t all_needs = SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE;
+
+typedef struct outcome {
+    float visibility[POINTS];
+    shb_receivers receivers[POINTS / SHB_BATCH + 1];
+    size_t batches;
+} outcome;
+
+static void keep_batch(const shb_filter_args *args) {
+    outcome *const *place = args->filter->user;
+    (*place)->receivers[(*place)->batches++] = *args->receivers;
+    shb_filter_hard().filter(args);
+}
+
+static outcome *ask(const lit_map *asked, const points *given, size_t count, shb_bias bias) {
+    outcome *made = calloc(1, sizeof *made);
+    bias.needs |= all_needs;
+    const shb_filter filter = {.filter = keep_batch, .user = &made};
+    const shb_points list = {
+        .count = count, .positions = given->positions, .normals = given->normals};
+    CHECK_INT(shb_map_visibility(asked->map, &list, &bias, &filter, made->visibility), SHB_OK);
+    return made;
+}
+
+static bool same_floats(const float *a, const float *b, size_t count) {
+    return memcmp(a, b, count * sizeof *a) == 0;
+}
+
+static bool same_receivers(const shb_receivers *a, const shb_receivers *b, size_t count) {
+    return same_floats(a->x, b->x, count) && same_floats(a->y, b->y, count) &&
+           same_floats(a->z, b->z, count) && same_floats(a->normal_x, b->normal_x, count) &&
+           same_floats(a->normal_y, b->normal_y, count) &&
+           same_floats(a->normal_z, b->normal_z, count) &&
+           same_floats(a->cosine, b->cosine, count) &&
+           same_floats(a->texel_size, b->texel_size, count) &&
+           same_floats(a->depth_per_world, b->depth_per_world, count) &&
+           memcmp(a->texel_x, b->texel_x, count * sizeof *a->texel_x) == 0 &&
+           memcmp(a->texel_y, b->texel_y, count * sizeof *a->texel_y) == 0 &&
+           same_floats(a->to_center_x, b->to_center_x, count) &&
+           same_floats(a->to_center_y, b->to_center_y, count) &&
+           same_floats(a->depth, b->depth, count) && same_floats(a->slope_x, b->slope_x, count) &&
+           same_floats(a->slope_y, b->slope_y, count) && same_floats(a->ref, b->ref, count) &&
+           same_floats(a->step_x, b->step_x, count) && same_floats(a->step_y, b->step_y, count);
+}
+
+static bool same_outcome(const outcome *a, const outcome *b, size_t count) {
+    if (!same_floats(a->visibility, b->visibility, count) || a->batches != b->batches)
+        return false;
+    for (size_t i = 0; i < a->batches; i++) {
+        const size_t left = count - i * SHB_BATCH;
+        if (!same_receivers(&a->receivers[i], &b->receivers[i],
+                            left < SHB_BATCH ? left : SHB_BATCH))
+            return false;
+    }
+    return true;
+}
+
+static const shb_isa vectors[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SHB_ISA_NEON};
+enum { VECTORS = sizeof vectors / sizeof *vectors };
+
+static void check_methods(bool spot, bool reversed, shb_format format, size_t count) {
+    lit_map scalar = new_map(SHB_ISA_SCALAR, spot, reversed, format);
+    const shb_light_source light = shb_map_get_info(scalar.map)->light;
+    points *given = new_points(light.position, count + spot);
+    size_t method_count;
+    const shb_bias_method *methods = shb_bias_methods(&method_count);
+    for (size_t v = 0; v < VECTORS; v++) {
+        lit_map other = new_map(vectors[v], spot, reversed, format);
+        for (size_t m = 0; m < method_count; m++) {
+            const shb_bias bias = methods[m].make();
+            if (bias.combine || bias.needs & (SHB_NEEDS_FLIPPED | SHB_NEEDS_OCCLUDERS))
+                continue;
+            outcome *expected = ask(&scalar, given, count, bias);
+            outcome *actual = ask(&other, given, count, bias);
+            CHECK(same_outcome(expected, actual, count));
+            free(expected);
+            free(actual);
+        }
+        destroy_map(&other);
+    }
+    free(given);
+    destroy_map(&scalar);
+}
+
+TEST(shade_kernels_give_scalar_bits_for_every_method) {
+    for (int spot = 0; spot < 2; spot++)
+        for (int reversed = 0; reversed < 2; reversed++)
+            check_methods(spot, reversed, SHB_FORMAT_FLOAT32, POINTS);
+}
+
+TEST(shade_kernels_give_scalar_bits_for_every_format) {
+    check_methods(true, true, SHB_FORMAT_UNORM24, POINTS);
+    check_methods(false, false, SHB_FORMAT_UNORM24, POINTS);
+    check_methods(true, false, SHB_FORMAT_UNORM16, POINTS);
+    check_methods(false, true, SHB_FORMAT_UNORM16, POINTS);
+}
+
+TEST(shade_kernels_give_scalar_bits_for_every_count) {
+    for (size_t count = 1; count <= SHB_BATCH; count += count < 34 ? 1 : 37)
+        check_methods(count % 2, false, SHB_FORMAT_FLOAT32, count);
+    check_methods(false, false, SHB_FORMAT_FLOAT32, SHB_BATCH);
+}
+
+TEST(shade_kernels_constant_units_give_scalar_bits) {
+    lit_map scalar = new_map(SHB_ISA_SCALAR, true, false, SHB_FORMAT_FLOAT32);
+    points *given = new_points((shb_vec3){1, 2, 3}, 5);
+    for (size_t v = 0; v < VECTORS; v++) {
+        lit_map other = new_map(vectors[v], true, false, SHB_FORMAT_FLOAT32);
+        for (int unit = SHB_UNIT_DEPTH; unit <= SHB_UNIT_WORLD; unit++) {
+            const shb_bias bias = shb_bias_constant(0.7f, (shb_unit)unit);
+            outcome *expected = ask(&scalar, given, POINTS, bias);
+            outcome *actual = ask(&other, given, POINTS, bias);
+            CHECK(same_outcome(expected, actual, POINTS));
+            free(expected);
+            free(actual);
+        }
+        destroy_map(&other);
+    }
+    free(given);
+    destroy_map(&scalar);
+}
+
+/* Texels of the map and two around it. */
+TEST(shade_kernels_fetch_far_depth_outside_the_map) {
+    for (int isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa++) {
+        shb_context *context;
+        const shb_context_desc desc = {.max_isa = (shb_isa)isa, .threads = 1};
+        CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+        shb_map_desc map_desc = {.width = 8, .height = 8};
+        const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
+        CHECK_INT(shb_view_fit_directional((shb_vec3){0, 0, 1}, box, 8, false, &map_desc.view),
+                  SHB_OK);
+        float texels[64];
+        for (int i = 0; i < 64; i++)
+            texels[i] = (float)i / 128;
+        shb_map *map;
+        CHECK_INT(shb_map_wrap(context, &map_desc, texels, 0, NULL, &map), SHB_OK);
+        enum { COUNT = 300 };
+        int32_t x[COUNT], y[COUNT];
+        float depth[COUNT + 1];
+        depth[COUNT] = 42;
+        test_random random = {3};
+        for (int i = 0; i < COUNT; i++) {
+            x[i] = (int32_t)random_below(&random, 12) - 2;
+            y[i] = (int32_t)random_below(&random, 12) - 2;
+        }
+        x[0] = INT32_MIN;
+        y[1] = INT32_MAX;
+        shb_map_fetch(map, COUNT, x, y, depth);
+        for (int i = 0; i < COUNT; i++) {
+            const bool inside = x[i] >= 0 && x[i] < 8 && y[i] >= 0 && y[i] < 8;
+            CHECK(depth[i] == (inside ? (float)(8 * y[i] + x[i]) / 128 : 1.0f));
+        }
+        CHECK(depth[COUNT] == 42.0f);
+        shb_map_destroy(map);
+        shb_context_destroy(context);
+    }
+}
+
+TEST(shade_kernels_a_stage_called_by_a_host_writes_the_same) {
+    lit_map asked = new_map(SHB_ISA_BEST, false, false, SHB_FORMAT_FLOAT32);
+    points *given = new_points((shb_vec3){1, 2, 3}, 6);
+    const shb_bias bias = shb_bias_adaptive_soft(1e-3f, 0, 50);
+    outcome *made = ask(&asked, given, SHB_BATCH, bias);
+    shb_receivers again = made->receivers[0];
+    memset(again.ref, 0, sizeof again.ref);
+    memset(again.step_x, 0, sizeof again.step_x);
+    memset(again.step_y, 0, sizeof again.step_y);
+    const shb_bias_args args = {
+        .count = SHB_BATCH, .bias = &bias, .map = shb_map_get_info(asked.map), .receivers = &again};
+    bias.depth(&args);
+    CHECK(same_receivers(&again, &made->receivers[0], SHB_BATCH));
+    free(made);
+    free(given);
+    destroy_map(&asked);
+}
+
+enum { WIDTH = 301, HEIGHT = 75, TRIANGLES = 700 };
+
+/* Triangles around and behind the camera, with ids drawn at random beside those that it saw, so
+ * that many centres lie outside of their triangles. */
+typedef struct frame_case {
+    float positions[9 * TRIANGLES], normals[9 * TRIANGLES];
+    uint32_t ids[WIDTH * HEIGHT];
+    shb_mesh mesh;
+    shb_instance instances[2];
+    shb_scene scene;
+    shb_view view;
+    shb_frame frame;
+} frame_case;
+
+static frame_case *new_frame(bool has_normals) {
+    frame_case *f = calloc(1, sizeof *f);
+    test_random random = {17};
+    for (int i = 0; i < 9 * TRIANGLES; i++) {
+        const int corner = i / 9 * 9 + i % 3;
+        f->positions[i] =
+            (float)random_double(&random, -0.2, 0.2) +
+            (i == corner ? (float)random_double(&random, -1, 1) : f->positions[corner]);
+        f->normals[i] = nasty(&random);
+    }
+    f->mesh = (shb_mesh){.positions = f->positions,
+                         .normals = has_normals ? f->normals : NULL,
+                         .vertex_count = 3 * TRIANGLES,
+                         .triangle_count = TRIANGLES};
+    f->instances[0] = (shb_instance){.mesh = &f->mesh};
+    f->instances[1] = (shb_instance){
+        .mesh = &f->mesh, .world_from_mesh = shb_mat4_rotation((shb_vec3){1, 1, 0}, 1.1)};
+    f->scene = (shb_scene){f->instances, 2};
+    CHECK_INT(shb_view_perspective((shb_vec3){0.3, 0.2, 2}, (shb_vec3){0, 0, 0},
+                                   (shb_vec3){0, 1, 0}, 1, 2, 0.01, 100, false, &f->view),
+              SHB_OK);
+    shb_context *context;
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    const shb_draw_desc draw = {
+        .view = &f->view, .scene = &f->scene, .width = WIDTH, .height = HEIGHT, .ids = f->ids};
+    CHECK_INT(shb_draw(context, &draw, NULL), SHB_OK);
+    shb_context_destroy(context);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        if (random_below(&random, 4) == 0)
+            f->ids[i] = random_below(&random, 2 * TRIANGLES + 3);
+    f->frame = (shb_frame){&f->view, &f->scene, WIDTH, HEIGHT, f->ids, 0};
+    return f;
+}
+
+typedef struct frame_outcome {
+    float fragments[WIDTH * HEIGHT][13];
+    uint8_t pixels[3 * WIDTH * HEIGHT];
+} frame_outcome;
+
+static void keep_and_light(const shb_shade_args *args) {
+    frame_outcome *made = (frame_outcome *)(uintptr_t)args->user;
+    const shb_fragments *f = args->fragments;
+    for (size_t i = 0; i < args->count; i++) {
+        const float kept[13] = {f->x[i],
+                                f->y[i],
+                                f->z[i],
+                                f->normal_x[i],
+                                f->normal_y[i],
+                                f->normal_z[i],
+                                f->shading_x[i],
+                                f->shading_y[i],
+                                f->shading_z[i],
+                                f->weight_1[i],
+                                f->weight_2[i],
+                                args->lighting[0].cosine[i],
+                                args->lighting[1].visibility[i]};
+        memcpy(made->fragments[f->pixel_y[i] * WIDTH + f->pixel_x[i]], kept, sizeof kept);
+    }
+    shb_shade_args plain = *args;
+    plain.user = NULL;
+    shb_shade_lambert(&plain);
+}
+
+static frame_outcome *shade_frame(const frame_case *f, shb_isa isa, uint32_t threads) {
+    frame_outcome *made = calloc(1, sizeof *made);
+    lit_map sun = new_map(isa, false, false, SHB_FORMAT_FLOAT32);
+    lit_map spot = new_map(isa, true, true, SHB_FORMAT_UNORM16);
+    const shb_bias adaptive = shb_bias_adaptive(1e-4f, 0), offset = shb_bias_normal_offset(1.5f, 0);
+    const shb_shade_light lights[2] = {
+        {.map = sun.map, .bias = &adaptive, .color = {1, 0.5f, 2}},
+        {.map = spot.map, .bias = &offset, .color = {0.2f, 0.9f, 0}}};
+    shb_context *context;
+    const shb_context_desc desc = {.max_isa = isa, .threads = threads};
+    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+    const shb_shade_desc shade = {
+        .frame = f->frame,
+        .lights = lights,
+        .light_count = 2,
+        .shade = keep_and_light,
+        .user = made,
+        .background = {0.3f, 0.1f, 2},
+        .image = {.pixels = made->pixels, .width = WIDTH, .height = HEIGHT}};
+    CHECK_INT(shb_shade(context, &shade), SHB_OK);
+    shb_context_destroy(context);
+    destroy_map(&sun);
+    destroy_map(&spot);
+    return made;
+}
+
+static void check_frames(bool has_normals) {
+    frame_case *f = new_frame(has_normals);
+    frame_outcome *expected = shade_frame(f, SHB_ISA_SCALAR, 1);
+    for (size_t v = 0; v < VECTORS; v++)
+        for (uint32_t threads = 1; threads <= 4; threads++) {
+            frame_outcome *actual = shade_frame(f, vectors[v], threads);
+            CHECK(memcmp(expected, actual, sizeof *expected) == 0);
+            free(actual);
+        }
+    free(expected);
+    free(f);
+}
+
+TEST(shade_kernels_shade_frames_with_scalar_bits_on_any_threads) {
+    check_frames(true);
+    check_frames(false);
+}
