@@ -74,7 +74,7 @@ static points *new_points(shb_vec3 to_light, uint64_t seed) {
         made->normals[i] = nasty(&random);
     }
     for (int i = 0; i < POINTS; i += 7) {
-        const shb_vec3 side = {made->positions[3 * i], 1, 0.5};
+        const shb_vec3 side = {(double)made->positions[3 * i], 1, 0.5};
         const shb_vec3 normal = shb_vec3_normalize(shb_vec3_cross(to_light, side));
         made->normals[3 * i] = (float)normal.x;
         made->normals[3 * i + 1] = (float)normal.y;
