@@ -37,7 +37,7 @@ typedef struct tile_job {
     grid grid;
     shb_chunk_bins bins;
     shb_layers *lanes;  /* NULL when tiles are drawn directly */
-    atomic_size_t next; /* tile that nobody has begun */
+    atomic_size_t next; /* row of tiles that nobody has begun */
 } tile_job;
 
 static bool is_direct_depth(const shb_depth_image *image) {
@@ -176,19 +176,21 @@ static void draw_tile(tile_job *job, size_t lane, size_t number) {
     shb_layers_store(&layers, job->desc);
 }
 
-/* A lane owns its layers and takes tile after tile until none is left. */
+/* A lane owns its layers and takes one row of tiles after the other until none is left. Threads keep
+ * to rows of their own because what is prefetched at the end of a tile's row would be taken from the
+ * thread that writes there: two threads side by side were slower than one. */
 static void run_lane(void *arg, size_t index) {
     tile_job *job = arg;
-    const size_t tiles = (size_t)job->bins.columns * job->bins.rows;
-    for (size_t tile; (tile = atomic_fetch_add(&job->next, 1)) < tiles;)
-        draw_tile(job, index, tile);
+    for (size_t row; (row = atomic_fetch_add(&job->next, 1)) < job->bins.rows;)
+        for (size_t column = 0; column < job->bins.columns; column++)
+            draw_tile(job, index, row * job->bins.columns + column);
 }
 
 static bool draw_tiles(shb_context *context, tile_job *job) {
     if (!shb_chunks_bin(context, job->target, job->chunks, job->grid.tile_bits, &job->bins))
         return false;
-    const size_t tiles = (size_t)job->bins.columns * job->bins.rows;
-    const size_t lanes = tiles < context->threads ? tiles : context->threads;
+    const size_t rows = job->bins.rows;
+    const size_t lanes = rows < context->threads ? rows : context->threads;
     if (!job->grid.direct) {
         const size_t size = (size_t)1 << job->grid.tile_bits;
         job->lanes = shb_layers_reserve(context, job->desc, lanes, size, size);

@@ -39,11 +39,14 @@ shb_tile shb_layers_tile(const shb_layers *layers) {
 static void run_lane(void *arg, size_t index) {
     whole_job *job = arg;
     const shb_tile tile = shb_layers_tile(&job->lanes[index]);
+    const shb_chunk *chunks = job->chunks->chunks;
     const size_t count = job->chunks->count;
+    uint64_t drawn = 0;
     shb_layers_clear(&job->lanes[index], job->reversed);
     for (size_t first; (first = atomic_fetch_add(&job->next, CHUNKS_AT_ONCE)) < count;)
         for (size_t i = first; i < count && i < first + CHUNKS_AT_ONCE; i++)
-            job->drawn[index] += job->kernels->draw(&job->chunks->chunks[i], &tile);
+            drawn += job->kernels->draw(&chunks[i], &tile);
+    job->drawn[index] = drawn;
 }
 
 /* Of two pairs of layers the lowest (depth, id) and the next depth. */
