@@ -13,8 +13,8 @@
 /* More tiles than this cost more than they save. */
 #define TILES_MAX 4096
 
-/* Up to this many texels one thread draws straight through: the map itself stays in a cache.
- * Several threads do so if there is a triangle for every few texels. */
+/* Up to this many texels in all layers one thread draws straight through: they stay in a cache. So
+ * do threads for as large a target where there is a triangle for every few texels. */
 #define WHOLE_TEXELS (2048u * 2048u)
 #define WHOLE_TEXELS_PER_TRIANGLE 4
 
@@ -61,8 +61,10 @@ static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
     const bool few = geometry->triangle_count <= FEW_TRIANGLES && texels > FEW_TRIANGLES_TEXELS;
     grid made = {.direct = can_draw_directly(desc), .tile_bits = TILE_BITS};
     const bool many = geometry->triangle_count >= texels / WHOLE_TEXELS_PER_TRIANGLE;
-    made.whole = made.direct && !desc->tile_size && texels <= WHOLE_TEXELS && !few &&
-                 (context->threads == 1 || many);
+    const uint32_t layers = 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
+    const bool cached = context->threads == 1 && texels <= WHOLE_TEXELS / layers;
+    made.whole =
+        made.direct && !desc->tile_size && !few && texels <= WHOLE_TEXELS && (cached || many);
     if (desc->tile_size)
         for (made.tile_bits = 4; desc->tile_size >> made.tile_bits != 1; made.tile_bits++)
             continue;
@@ -176,9 +178,9 @@ static void draw_tile(tile_job *job, size_t lane, size_t number) {
     shb_layers_store(&layers, job->desc);
 }
 
-/* A lane owns its layers and takes one row of tiles after the other until none is left. Threads keep
- * to rows of their own because what is prefetched at the end of a tile's row would be taken from the
- * thread that writes there: two threads side by side were slower than one. */
+/* A lane owns its layers and takes one row of tiles after the other until none is left. Threads
+ * keep to rows of their own because what is prefetched at the end of a tile's row would be taken
+ * from the thread that writes there: two threads side by side were slower than one. */
 static void run_lane(void *arg, size_t index) {
     tile_job *job = arg;
     for (size_t row; (row = atomic_fetch_add(&job->next, 1)) < job->bins.rows;)
