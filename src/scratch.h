@@ -12,9 +12,9 @@ enum {
     SHB_SCRATCH_LAYERS,    /* texels of these tiles */
     SHB_SCRATCH_VERTICES,  /* vertices in window space */
     SHB_SCRATCH_CHUNKS,
-    SHB_SCRATCH_BINS,      /* where each tile's part of a block of chunks ends */
-    SHB_SCRATCH_BINNED,    /* triangles of each block, sorted by tile */
-    SHB_SCRATCH_CODED      /* ids of triangles that clipping has to look at */
+    SHB_SCRATCH_BINS,   /* where each tile's part of a block of chunks ends */
+    SHB_SCRATCH_BINNED, /* triangles of each block, sorted by tile */
+    SHB_SCRATCH_CODED   /* ids of triangles that clipping has to look at */
 };
 
 #endif

@@ -1,5 +1,5 @@
-/* Drawing tile by tile, one triangle after the other: the scalar code that every instruction set has
- * to agree with. */
+/* Drawing tile by tile, one triangle after the other: the scalar code that every instruction set
+ * has to agree with. */
 #ifndef SRC_TILE_H
 #define SRC_TILE_H
 

@@ -73,6 +73,6 @@ void shb_geometry_corners(const shb_draw_instance *instance, uint64_t id,
     uint32_t vertices[3];
     shb_mesh_triangle(instance->mesh, (uint32_t)(id - instance->first_triangle), vertices);
     for (int i = 0; i < 3; i++)
-        transform_vertex(instance->clip_from_mesh.m,
-                         shb_mesh_position(instance->mesh, vertices[i]), corners[i].v);
+        transform_vertex(instance->clip_from_mesh.m, shb_mesh_position(instance->mesh, vertices[i]),
+                         corners[i].v);
 }

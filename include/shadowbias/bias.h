@@ -34,10 +34,10 @@ typedef struct shb_bias shb_bias;
 typedef enum shb_occluders {
     SHB_OCCLUDERS_NONE = 0,
     SHB_OCCLUDERS_PLANES,    /* the plane of each texel's triangle: 4 more bytes a texel */
-    SHB_OCCLUDERS_TRIANGLES, /* the triangle of each texel, and the mesh in the light's space: 4 more
-                                bytes a texel and about 64 a triangle */
-    SHB_OCCLUDERS_LISTS      /* all triangles that the light can see in each texel: 4 bytes a texel, 4
-                                an entry, about 210 a triangle */
+    SHB_OCCLUDERS_TRIANGLES, /* the triangle of each texel, and the mesh in the light's space: 4
+                                more bytes a texel and about 64 a triangle */
+    SHB_OCCLUDERS_LISTS /* all triangles that the light can see in each texel: 4 bytes a texel, 4
+                           an entry, about 210 a triangle */
 } shb_occluders;
 
 /* What a map tells the methods and tools. Lengths in world units. */
@@ -106,9 +106,9 @@ typedef void shb_combine_fn(const shb_bias *bias, size_t count, const float *nea
                             const float *second, float *combined);
 
 enum {
-    SHB_NEEDS_NORMAL = 1, /* the points must come with normals; fills normal_*, cosine */
-    SHB_NEEDS_SCALE = 2,  /* fills texel_size, depth_per_world */
-    SHB_NEEDS_SLOPE = 4,  /* the points must come with normals; fills slope_* */
+    SHB_NEEDS_NORMAL = 1,    /* the points must come with normals; fills normal_*, cosine */
+    SHB_NEEDS_SCALE = 2,     /* fills texel_size, depth_per_world */
+    SHB_NEEDS_SLOPE = 4,     /* the points must come with normals; fills slope_* */
     SHB_NEEDS_FLIPPED = 8,   /* the map is drawn with flip_culling */
     SHB_NEEDS_OCCLUDERS = 16 /* the map answers by the occluders it keeps, which takes normals
                                 unless these are lists; the stages are not called and the filter
@@ -181,19 +181,18 @@ shb_bias shb_bias_adaptive(float k, float scene_scale);
  * and 4). Default threshold: 100. */
 shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
 
-/* "exact": no parameter, no scene scale. Asks the occluder's own plane or triangle, by the best that
- * the map keeps (shb_map_desc.occluders); every tolerance is a bound of rounding. Positions must lie
- * within half a unit in the last place of their surface, elements of normals within 2^-22 of the
- * triangle's.
- * Planes: shadowed if the stored sample lies in front of the fragment's plane at the texel's centre
- * and the sample's plane in front of the fragment at the fragment's own place in the map. Exact on
- * both sides of a crease and on convex bodies; a shadow ends at a texel's border.
- * Triangles: from the triangles of the four nearest samples over the mesh to the one that covers the
- * fragment's own light ray, which decides; as with planes where the mesh ends or turns round on the
- * way. Closed meshes get no false shadow and edges that are straight inside a texel.
- * Lists: the answer of a ray caster, at any size of the map, from the position alone. Every triangle
- * casts a shadow, whatever its culling, where it lies at or beyond the near plane; there is no far
- * plane. */
+/* "exact": no parameter, no scene scale. Asks the occluder's own plane or triangle, by the best
+ * that the map keeps (shb_map_desc.occluders); every tolerance is a bound of rounding. Positions
+ * must lie within half a unit in the last place of their surface, elements of normals within 2^-22
+ * of the triangle's. Planes: shadowed if the stored sample lies in front of the fragment's plane at
+ * the texel's centre and the sample's plane in front of the fragment at the fragment's own place in
+ * the map. Exact on both sides of a crease and on convex bodies; a shadow ends at a texel's border.
+ * Triangles: from the triangles of the four nearest samples over the mesh to the one that covers
+ * the fragment's own light ray, which decides; as with planes where the mesh ends or turns round on
+ * the way. Closed meshes get no false shadow and edges that are straight inside a texel. Lists: the
+ * answer of a ray caster, at any size of the map, from the position alone. Every triangle casts a
+ * shadow, whatever its culling, where it lies at or beyond the near plane; there is no far plane.
+ */
 shb_bias shb_bias_exact(void);
 
 /* One built-in method for tools: its default value and the names of its parameters. */

@@ -30,8 +30,8 @@ struct shb_filter {
     const void *user; /* for filters of your own; must outlive the use of the value */
 };
 
-/* "hard": one tap, the texel that holds the fragment (Williams 1978). Shadowed where the stored depth
- * is nearer than min(ref, far depth); equal is lit. */
+/* "hard": one tap, the texel that holds the fragment (Williams 1978). Shadowed where the stored
+ * depth is nearer than min(ref, far depth); equal is lit. */
 shb_filter shb_filter_hard(void);
 
 /* A filter by its text form, as shb_bias_parse. */

@@ -36,10 +36,10 @@ shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const vo
 /* Draws the scene into a map that shb_map_create made, in place of what it held. bias decides what
  * the map keeps (its combine stage, SHB_NEEDS_FLIPPED); NULL or any method without these: the
  * nearest depth, which serves all such methods alike. desc.occluders are kept if bias is NULL or
- * needs them, in copies: the scene may go when the call is done. What a combine stage writes is rounded to the
- * format as drawn depths are; NaN becomes the far depth. stats may be NULL. Errors as shb_draw, and
- * SHB_ERROR_UNSUPPORTED for a wrapped map; the map keeps what it held then. One call at a time for
- * a context, and none while others ask the map. */
+ * needs them, in copies: the scene may go when the call is done. What a combine stage writes is
+ * rounded to the format as drawn depths are; NaN becomes the far depth. stats may be NULL. Errors
+ * as shb_draw, and SHB_ERROR_UNSUPPORTED for a wrapped map; the map keeps what it held then. One
+ * call at a time for a context, and none while others ask the map. */
 shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                         shb_draw_stats *stats);
 

@@ -1,12 +1,12 @@
 /* Drawing: a scene as one view sees it, into the caller's arrays.
  *
- * Exactness. Vertices are transformed in double. Positions are snapped to 1/256 pixel and coverage is
- * decided in integers at pixel centres with the top-left rule: neighbours that share an edge cover
- * each sample exactly once. Depth at a sample is the plane through the unsnapped triangle, evaluated
- * at the pixel centre, so that it is the depth of the true surface and not of the snapped one; a
- * stored float depth z lies within 5 * 2^-24 * |z| of that plane, and within the depth range of the
- * triangle's corners where the triangle is a sliver. Nothing depends on tiles, threads, instruction
- * set or order: at equal depth the lower triangle id wins. */
+ * Exactness. Vertices are transformed in double. Positions are snapped to 1/256 pixel and coverage
+ * is decided in integers at pixel centres with the top-left rule: neighbours that share an edge
+ * cover each sample exactly once. Depth at a sample is the plane through the unsnapped triangle,
+ * evaluated at the pixel centre, so that it is the depth of the true surface and not of the snapped
+ * one; a stored float depth z lies within 5 * 2^-24 * |z| of that plane, and within the depth range
+ * of the triangle's corners where the triangle is a sliver. Nothing depends on tiles, threads,
+ * instruction set or order: at equal depth the lower triangle id wins. */
 #ifndef SHADOWBIAS_RASTER_H
 #define SHADOWBIAS_RASTER_H
 
@@ -37,14 +37,14 @@ typedef struct shb_depth_image {
 typedef struct shb_draw_desc {
     const shb_view *view;
     const shb_scene *scene;
-    uint32_t width, height;  /* 1 .. SHB_SIZE_MAX */
-    shb_depth_image depth;   /* the closest surface; texels NULL: not wanted */
-    shb_depth_image second;  /* the second closest surface: the next in the order of (depth, id), so a
-                                second triangle at equal depth counts; texels NULL: not wanted */
-    uint32_t *ids;           /* triangle ids of the closest surface, or NULL; SHB_ID_NONE: nothing */
-    size_t id_stride;        /* bytes, a multiple of 4; 0: rows without gaps */
-    bool flip_culling;       /* draw back faces of instances that cull back faces, and so on */
-    uint32_t tile_size;      /* a power of two, 16 .. 512; 0: chosen. Results do not depend on it */
+    uint32_t width, height; /* 1 .. SHB_SIZE_MAX */
+    shb_depth_image depth;  /* the closest surface; texels NULL: not wanted */
+    shb_depth_image second; /* the second closest surface: the next in the order of (depth, id), so
+                               a second triangle at equal depth counts; texels NULL: not wanted */
+    uint32_t *ids;          /* triangle ids of the closest surface, or NULL; SHB_ID_NONE: nothing */
+    size_t id_stride;       /* bytes, a multiple of 4; 0: rows without gaps */
+    bool flip_culling;      /* draw back faces of instances that cull back faces, and so on */
+    uint32_t tile_size;     /* a power of two, 16 .. 512; 0: chosen. Results do not depend on it */
 } shb_draw_desc;
 
 /* What became of the triangles. */
@@ -61,8 +61,8 @@ typedef struct shb_draw_stats {
  * SHB_ID_NONE; surfaces at or beyond the far depth are not seen. "Equal depth" means equal float32
  * depth, before a unorm format rounds it. Every texel of every wanted image is written; padding
  * between rows is not. Images may not overlap. stats may be NULL.
- * Errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE, SHB_ERROR_NUMBER (view or instance matrix not finite),
- * SHB_ERROR_MEMORY; images are untouched then. One call at a time for a context. */
+ * Errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE, SHB_ERROR_NUMBER (view or instance matrix not
+ * finite), SHB_ERROR_MEMORY; images are untouched then. One call at a time for a context. */
 shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_stats *stats);
 
 /* Bytes of one texel of a format: 4 or 2; 0 for an unknown one. */

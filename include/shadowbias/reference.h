@@ -1,10 +1,10 @@
 /* The truth that every method is judged by, and the measures of error.
  *
- * Hard-shadow visibility by ray casting in double precision through a bounding-volume hierarchy. The
- * receiver's own triangle is left out by its id, never by an offset along the ray, so the truth has
- * no bias of its own. A hit counts unless the rounding of double arithmetic cannot tell it from the
- * ray's origin (the forward error bound of the distance computation). Slow on purpose: not a part of
- * the shadow-map path. */
+ * Hard-shadow visibility by ray casting in double precision through a bounding-volume hierarchy.
+ * The receiver's own triangle is left out by its id, never by an offset along the ray, so the truth
+ * has no bias of its own. A hit counts unless the rounding of double arithmetic cannot tell it from
+ * the ray's origin (the forward error bound of the distance computation). Slow on purpose: not a
+ * part of the shadow-map path. */
 #ifndef SHADOWBIAS_REFERENCE_H
 #define SHADOWBIAS_REFERENCE_H
 
@@ -46,53 +46,53 @@ typedef struct shb_classify_desc {
                            SHB_TRUTH_NONE; 0: only those that face away from it */
 } shb_classify_desc;
 
-/* Classifies every pixel of a frame: truth[row * width + column]. A fragment faces the light if light
- * and camera lie on the same side of its triangle. A true shadow boundary is the projection from the
- * light of a silhouette edge (an open edge, or one whose two triangles fall on the same side of it as
- * the light sees them; vertices are welded where their positions are equal) onto a receiver behind
- * it: the flag is set if such an edge, nearer to the light than the fragment's plane, passes within
- * one texel (larger of both axes) of the fragment in the map. Contact lines and creases, where the
- * edge touches the receiver, are no boundaries: errors there are the bias's own. An edge touches if
- * it lies no higher above the plane than 2^-20 of the largest coordinate of both.
- * The frame's scene must be the reference's, or SHB_ERROR_ARGUMENT where the numbers of triangles
- * tell. The other errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE, SHB_ERROR_NUMBER, SHB_ERROR_MEMORY;
- * truth is untouched then. */
+/* Classifies every pixel of a frame: truth[row * width + column]. A fragment faces the light if
+ * light and camera lie on the same side of its triangle. A true shadow boundary is the projection
+ * from the light of a silhouette edge (an open edge, or one whose two triangles fall on the same
+ * side of it as the light sees them; vertices are welded where their positions are equal) onto a
+ * receiver behind it: the flag is set if such an edge, nearer to the light than the fragment's
+ * plane, passes within one texel (larger of both axes) of the fragment in the map. Contact lines
+ * and creases, where the edge touches the receiver, are no boundaries: errors there are the bias's
+ * own. An edge touches if it lies no higher above the plane than 2^-20 of the largest coordinate of
+ * both. The frame's scene must be the reference's, or SHB_ERROR_ARGUMENT where the numbers of
+ * triangles tell. The other errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE, SHB_ERROR_NUMBER,
+ * SHB_ERROR_MEMORY; truth is untouched then. */
 shb_result shb_reference_classify(const shb_reference *reference, const shb_classify_desc *desc,
                                   uint8_t *truth);
 
 /* Errors over a frame. A visibility below 0.5 counts as shadowed. */
 typedef struct shb_errors {
-    uint64_t lit, shadowed;               /* fragments by truth */
-    uint64_t false_shadow, false_light;   /* away from boundaries: the bias is at fault */
-    uint64_t boundary_shadow;             /* false shadow within a texel of a boundary: sampling */
-    uint64_t boundary_light;              /* false light there */
-    double false_shadow_ppm;              /* false_shadow per million lit fragments; 0 if none is lit */
-    double false_light_ppm;               /* false_light per million shadowed fragments */
-    double boundary_ppm;                  /* both boundary errors per million of all fragments */
+    uint64_t lit, shadowed;             /* fragments by truth */
+    uint64_t false_shadow, false_light; /* away from boundaries: the bias is at fault */
+    uint64_t boundary_shadow;           /* false shadow within a texel of a boundary: sampling */
+    uint64_t boundary_light;            /* false light there */
+    double false_shadow_ppm; /* false_shadow per million lit fragments; 0 if none is lit */
+    double false_light_ppm;  /* false_light per million shadowed fragments */
+    double boundary_ppm;     /* both boundary errors per million of all fragments */
 } shb_errors;
 
-/* truth and visibility hold count elements in the same order; those whose truth is SHB_TRUTH_NONE are
- * skipped. */
+/* truth and visibility hold count elements in the same order; those whose truth is SHB_TRUTH_NONE
+ * are skipped. */
 shb_result shb_errors_measure(size_t count, const uint8_t *truth, const float *visibility,
                               shb_errors *errors);
 
-/* How far a shadow is detached from its contact line. The probe runs from contact along direction (a
- * unit vector in the receiver's plane) over length world units, in samples steps; every probe point
- * must truly be in shadow, or it is skipped. */
+/* How far a shadow is detached from its contact line. The probe runs from contact along direction
+ * (a unit vector in the receiver's plane) over length world units, in samples steps; every probe
+ * point must truly be in shadow, or it is skipped. */
 typedef struct shb_detachment_desc {
     const shb_map *map;
     const shb_bias *bias;
-    const shb_filter *filter; /* NULL: hard */
+    const shb_filter *filter;            /* NULL: hard */
     shb_vec3 contact, direction, normal; /* normal: of the receiver */
     double length;
-    uint32_t samples;      /* 1 .. 1 << 20; sample k lies at length * (k + 0.5) / samples */
-    uint32_t receiver_id;  /* triangle left out of the truth, or SHB_ID_NONE */
+    uint32_t samples;     /* 1 .. 1 << 20; sample k lies at length * (k + 0.5) / samples */
+    uint32_t receiver_id; /* triangle left out of the truth, or SHB_ID_NONE */
 } shb_detachment_desc;
 
 typedef struct shb_detachment {
-    double world;     /* distance from the contact to the last falsely lit sample; 0: attached */
-    double texels;    /* the same in widths of a map texel at the contact */
-    uint32_t probed;  /* samples that truly are in shadow */
+    double world;    /* distance from the contact to the last falsely lit sample; 0: attached */
+    double texels;   /* the same in widths of a map texel at the contact */
+    uint32_t probed; /* samples that truly are in shadow */
 } shb_detachment;
 
 /* SHB_ERROR_ARGUMENT if a pointer is NULL, direction is no unit vector, or contact lies behind the

@@ -24,8 +24,8 @@ typedef struct shb_frame {
  * triangle under the pixel's centre, or the nearest point of the triangle on the screen where
  * snapping covered a centre just outside it. Normals are unit vectors: the triangle's is turned
  * towards the camera (a triangle without area gets the direction to it), the shading normal to the
- * same side of the triangle. From the count up to the next multiple of 16 all arrays repeat the last
- * fragment, those of shb_lighting too, so that loops may run over whole vectors. */
+ * same side of the triangle. From the count up to the next multiple of 16 all arrays repeat the
+ * last fragment, those of shb_lighting too, so that loops may run over whole vectors. */
 typedef struct shb_fragments {
     SHB_ALIGN float x[SHB_BATCH]; /* world position */
     float y[SHB_BATCH];
@@ -33,7 +33,8 @@ typedef struct shb_fragments {
     float normal_x[SHB_BATCH]; /* of the triangle */
     float normal_y[SHB_BATCH];
     float normal_z[SHB_BATCH];
-    float shading_x[SHB_BATCH]; /* interpolated from the mesh's normals; the triangle's without any */
+    float
+        shading_x[SHB_BATCH]; /* interpolated from the mesh's normals; the triangle's without any */
     float shading_y[SHB_BATCH];
     float shading_z[SHB_BATCH];
     float weight_1[SHB_BATCH]; /* barycentric weights of the triangle's second and third corner */
@@ -46,7 +47,8 @@ typedef struct shb_fragments {
 /* What one light does to the batch. A triangle faces the light if light and camera lie on the same
  * side of it. */
 typedef struct shb_lighting {
-    SHB_ALIGN float visibility[SHB_BATCH]; /* 0 shadowed .. 1 lit; 0 where the triangle faces away */
+    SHB_ALIGN float
+        visibility[SHB_BATCH]; /* 0 shadowed .. 1 lit; 0 where the triangle faces away */
     float cosine[SHB_BATCH]; /* between shading normal and light direction; 0 where the triangle or
                                 the shading normal faces away */
 } shb_lighting;
@@ -87,14 +89,14 @@ typedef struct shb_shade_desc {
 
 /* Shades the frame; allocates nothing, but needs some 200 KB of stack on every thread. Errors:
  * SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE (also an image that is not of the frame's size),
- * SHB_ERROR_NUMBER (background, colour, view), SHB_ERROR_UNSUPPORTED as shb_map_visibility; the image
- * is untouched then. Ids that the scene does not have, or whose triangle has a corner that is not
- * finite, are background. One call at a time for a context. */
+ * SHB_ERROR_NUMBER (background, colour, view), SHB_ERROR_UNSUPPORTED as shb_map_visibility; the
+ * image is untouched then. Ids that the scene does not have, or whose triangle has a corner that is
+ * not finite, are background. One call at a time for a context. */
 shb_result shb_shade(shb_context *context, const shb_shade_desc *desc);
 
-/* White Lambert surfaces under all lights: the sum of color * visibility * cosine, and ambient light
- * from above (+y), 0.04 * (1 + shading_y). user: NULL, or a pointer to the three floats of a surface
- * colour. */
+/* White Lambert surfaces under all lights: the sum of color * visibility * cosine, and ambient
+ * light from above (+y), 0.04 * (1 + shading_y). user: NULL, or a pointer to the three floats of a
+ * surface colour. */
 void shb_shade_lambert(const shb_shade_args *args);
 
 /* The errors of the first light over surfaces in dim grey: false shadow red, false light blue, both

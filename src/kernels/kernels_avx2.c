@@ -6,8 +6,8 @@ SHB_TARGET_BEGIN("avx2")
 #define NARROW 8
 #define WIDE 8
 #define KERNELS shb_kernels_avx2
-#include "kernels.inl"
 #include "doubles_avx2.h"
+#include "kernels.inl"
 #define SHADE_KERNELS shb_shade_kernels_avx2
 #include "k_shade.inl"
 SHB_TARGET_END

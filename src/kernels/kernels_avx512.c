@@ -7,8 +7,8 @@ SHB_TARGET_BEGIN("avx2,avx512f,avx512vl,avx512dq,avx512bw")
 #define NARROW 8
 #define WIDE 16
 #define KERNELS shb_kernels_avx512
-#include "kernels.inl"
 #include "doubles_avx512.h"
+#include "kernels.inl"
 #define SHADE_KERNELS shb_shade_kernels_avx512
 #include "k_shade.inl"
 SHB_TARGET_END

@@ -6,8 +6,8 @@ SHB_TARGET_BEGIN("+simd")
 #define NARROW 4
 #define WIDE 4
 #define KERNELS shb_kernels_neon
-#include "kernels.inl"
 #include "doubles_neon.h"
+#include "kernels.inl"
 #define SHADE_KERNELS shb_shade_kernels_neon
 #include "k_shade.inl"
 SHB_TARGET_END

@@ -6,8 +6,8 @@ SHB_TARGET_BEGIN("sse2")
 #define NARROW 4
 #define WIDE 4
 #define KERNELS shb_kernels_sse2
-#include "kernels.inl"
 #include "doubles_sse2.h"
+#include "kernels.inl"
 #define SHADE_KERNELS shb_shade_kernels_sse2
 #include "k_shade.inl"
 SHB_TARGET_END
