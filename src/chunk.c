@@ -13,7 +13,6 @@
 
 typedef struct chunk_job {
     const shb_kernels *kernels;
-    const shb_draw_desc *desc;
     const shb_geometry *geometry;
     const shb_target *target;
     shb_vertex *vertices;
@@ -157,9 +156,8 @@ static bool list_coded(shb_context *context, chunk_job *job, shb_chunks *chunks)
     return true;
 }
 
-bool shb_chunks_prepare(shb_context *context, const shb_draw_desc *desc,
-                        const shb_geometry *geometry, const shb_target *target,
-                        shb_chunks *chunks) {
+bool shb_chunks_prepare(shb_context *context, const shb_geometry *geometry,
+                        const shb_target *target, shb_chunks *chunks) {
     shb_buffer *scratch = context->draw_scratch;
     const size_t count = count_chunks(geometry);
     if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_VERTICES], geometry->vertex_count,
@@ -167,7 +165,6 @@ bool shb_chunks_prepare(shb_context *context, const shb_draw_desc *desc,
         !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CHUNKS], count, sizeof(shb_chunk)))
         return false;
     chunk_job job = {.kernels = context->kernels,
-                     .desc = desc,
                      .geometry = geometry,
                      .target = target,
                      .vertices = scratch[SHB_SCRATCH_VERTICES].data,

@@ -22,7 +22,7 @@ typedef struct shb_chunks {
 } shb_chunks;
 
 /* Everything lies in the context's scratch; false: out of memory. */
-bool shb_chunks_prepare(shb_context *context, const shb_draw_desc *desc,
-                        const shb_geometry *geometry, const shb_target *target, shb_chunks *chunks);
+bool shb_chunks_prepare(shb_context *context, const shb_geometry *geometry,
+                        const shb_target *target, shb_chunks *chunks);
 
 #endif

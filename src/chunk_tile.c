@@ -40,18 +40,16 @@ typedef struct tile_job {
     atomic_size_t next; /* row of tiles that nobody has begun */
 } tile_job;
 
-static bool is_direct_depth(const shb_depth_image *image) {
-    return image->format == SHB_FORMAT_FLOAT32;
-}
-
 /* Kernels work on whole vectors inside of a tile and on one pitch for all layers. */
 static bool can_draw_directly(const shb_draw_desc *desc) {
     const size_t row = (size_t)desc->width * 4;
     const size_t stride = desc->depth.stride ? desc->depth.stride : row;
     const size_t second_stride = desc->second.stride ? desc->second.stride : row;
     const size_t id_stride = desc->id_stride ? desc->id_stride : row;
-    return desc->width % 16 == 0 && desc->depth.texels && is_direct_depth(&desc->depth) &&
-           (!desc->second.texels || (is_direct_depth(&desc->second) && second_stride == stride)) &&
+    return desc->width % 16 == 0 && desc->depth.texels &&
+           desc->depth.format == SHB_FORMAT_FLOAT32 &&
+           (!desc->second.texels ||
+            (desc->second.format == SHB_FORMAT_FLOAT32 && second_stride == stride)) &&
            (!desc->ids || id_stride == stride);
 }
 

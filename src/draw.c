@@ -97,7 +97,7 @@ static bool draw_chunks(shb_context *context, const shb_draw_desc *desc,
                         const shb_geometry *geometry, const shb_target *target,
                         shb_draw_stats *stats) {
     shb_chunks chunks;
-    return shb_chunks_prepare(context, desc, geometry, target, &chunks) &&
+    return shb_chunks_prepare(context, geometry, target, &chunks) &&
            shb_chunk_tiles_draw(context, desc, geometry, target, &chunks, stats);
 }
 

@@ -1,6 +1,7 @@
 #include "measure.h"
 
 #include "paint.h"
+#include "statistics.h"
 #include "stopwatch.h"
 
 #include <stdlib.h>
@@ -116,19 +117,9 @@ void measure_truth_destroy(measure_truth *truth) {
     *truth = (measure_truth){0};
 }
 
-static int compare_doubles(const void *a, const void *b) {
-    const double first = *(const double *)a, second = *(const double *)b;
-    return (first > second) - (first < second);
-}
-
-static double median(double *values, size_t count) {
-    qsort(values, count, sizeof *values, compare_doubles);
-    return values[count / 2];
-}
-
 static shb_result time_map(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                            uint32_t runs, double *seconds) {
-    double times[64];
+    double times[64] = {0};
     for (uint32_t i = 0; i < runs; i++) {
         const double start = stopwatch_seconds();
         const shb_result result = shb_map_draw(map, scene, bias, NULL);
@@ -136,7 +127,7 @@ static shb_result time_map(shb_map *map, const shb_scene *scene, const shb_bias 
             return result;
         times[i] = stopwatch_seconds() - start;
     }
-    *seconds = median(times, runs);
+    *seconds = statistics_median(times, runs);
     return SHB_OK;
 }
 
@@ -145,7 +136,7 @@ static shb_result time_visibility(const measure_frame *frame, const shb_map *map
                                   double *seconds) {
     const shb_points points = {
         .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
-    double times[64];
+    double times[64] = {0};
     for (uint32_t i = 0; i < runs; i++) {
         const double start = stopwatch_seconds();
         const shb_result result = shb_map_visibility(map, &points, bias, filter, frame->visibility);
@@ -153,7 +144,7 @@ static shb_result time_visibility(const measure_frame *frame, const shb_map *map
             return result;
         times[i] = stopwatch_seconds() - start;
     }
-    *seconds = median(times, runs);
+    *seconds = statistics_median(times, runs);
     return SHB_OK;
 }
 
