@@ -1,6 +1,7 @@
 /* One tap: Williams, Casting curved shadows on curved surfaces, 1978. */
 #include "strict.h"
 
+#include "exact.h"
 #include "kernels/shade.h"
 
 static void hard(const shb_filter_args *args) {
@@ -8,6 +9,10 @@ static void hard(const shb_filter_args *args) {
                                             args->visibility);
 }
 
+static void hard_exact(const shb_filter_args *args) {
+    shb_exact_visibility(args->map, args->count, args->receivers, args->visibility);
+}
+
 shb_filter shb_filter_hard(void) {
-    return (shb_filter){.name = "hard", .filter = hard};
+    return (shb_filter){.name = "hard", .filter = hard, .exact = hard_exact};
 }

@@ -5,6 +5,7 @@
 #include "format.h"
 #include "lists.h"
 #include "occluders.h"
+#include "prepare.h"
 #include "project.h"
 
 #include <float.h>
@@ -210,6 +211,7 @@ void shb_map_set_method(shb_map *map, const shb_bias *bias) {
 void shb_map_destroy(shb_map *map) {
     if (!map)
         return;
+    shb_prepared_release(map);
     if (map->owned)
         shb_free(map->context, map->depth.texels);
     shb_occluders_destroy(map);

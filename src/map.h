@@ -53,6 +53,13 @@ typedef struct shb_occluder_data {
     shb_occluder_mesh mesh;
 } shb_occluder_data;
 
+/* What a filter made of the map's depths; by what, as in shb_filter. */
+typedef struct shb_prepared {
+    shb_filter filter;
+    void *data;
+    size_t bytes;
+} shb_prepared;
+
 struct shb_map {
     shb_context *context;
     shb_map_info info;
@@ -60,6 +67,8 @@ struct shb_map {
     shb_light_rows rows;
     shb_occluder_data occluders;
     struct shb_lists *lists; /* of the latest drawing, or NULL */
+    shb_prepared prepared[SHB_PREPARED_MAX];
+    int prepared_count;
     shb_depth_image depth;
     bool owned;    /* texels were allocated by the map */
     bool empty;    /* owned and not drawn yet: serves every method */

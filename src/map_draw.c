@@ -6,6 +6,7 @@
 #include "format.h"
 #include "lists.h"
 #include "occluders.h"
+#include "prepare.h"
 #include "scene.h"
 
 /* Where the two layers are drawn before they are combined: one row after the other, no gaps. */
@@ -146,6 +147,7 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
     if (keeps_texels)
         shb_occluders_finish(map, &occluders);
     set_lists(map, lists);
+    shb_prepared_release(map);
     map->occluders.held = keeps;
     map->info.scene_scale = scene_scale;
     shb_map_set_method(map, bias);

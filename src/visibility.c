@@ -1,19 +1,24 @@
 #include "visibility.h"
 
-#include "exact.h"
 #include "kernels/shade.h"
+#include "prepare.h"
 
 #include <string.h>
 
 /* Lists answer by positions alone. */
-static bool needs_normals(const shb_map *map, const shb_bias *bias) {
+static bool needs_normals(const shb_map *map, const shb_bias *bias, const shb_filter *filter) {
     const bool by_planes =
         bias->needs & SHB_NEEDS_OCCLUDERS && map->info.occluders != SHB_OCCLUDERS_LISTS;
-    return by_planes || bias->needs & (SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE);
+    const uint32_t needs = bias->needs | (filter ? filter->needs : 0);
+    return by_planes || needs & (SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE);
+}
+
+static const char *name_or_unnamed(const char *name) {
+    return name ? name : "unnamed";
 }
 
 static const char *name_of(const shb_bias *bias) {
-    return bias->name ? bias->name : "unnamed";
+    return name_or_unnamed(bias->name);
 }
 
 /* True if the map's depths are those that the method works on. */
@@ -37,10 +42,25 @@ static shb_result check_occluders(const shb_map *map, const char *caller, const 
         return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
                         "%s: the method \"%s\" needs occluders and the map was drawn for another",
                         caller, name_of(bias));
-    if (filter && filter->filter != shb_filter_hard().filter)
+    if (filter && !filter->exact)
         return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
-                        "%s: the method \"%s\" works with the hard filter only, not with \"%s\"",
-                        caller, name_of(bias), filter->name ? filter->name : "unnamed");
+                        "%s: the method \"%s\" asks occluders, which the filter \"%s\" cannot",
+                        caller, name_of(bias), name_or_unnamed(filter->name));
+    return SHB_OK;
+}
+
+static shb_result check_filter(const shb_map *map, const char *caller, const shb_filter *filter) {
+    const uint32_t known =
+        SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE | SHB_NEEDS_PREPARED;
+    if (!filter->filter)
+        return shb_fail(map->context, SHB_ERROR_ARGUMENT, "%s: filter.filter is NULL", caller);
+    if (filter->needs & ~known)
+        return shb_fail(map->context, SHB_ERROR_ARGUMENT, "%s: filter.needs 0x%x has unknown bits",
+                        caller, (unsigned)filter->needs);
+    if (filter->needs & SHB_NEEDS_PREPARED && !shb_prepared_find(map, filter))
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the filter \"%s\" needs shb_map_prepare after the map was drawn",
+                        caller, name_or_unnamed(filter->name));
     return SHB_OK;
 }
 
@@ -54,12 +74,14 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
     if (bias->needs & ~known)
         return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: bias.needs 0x%x has unknown bits", caller,
                         (unsigned)bias->needs);
-    if (filter && !filter->filter)
-        return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: filter.filter is NULL", caller);
-    if (needs_normals(map, bias) && !has_normals)
+    const shb_result result = filter ? check_filter(map, caller, filter) : SHB_OK;
+    if (result != SHB_OK)
+        return result;
+    if (needs_normals(map, bias, filter) && !has_normals)
         return shb_fail(context, SHB_ERROR_UNSUPPORTED,
-                        "%s: the method \"%s\" needs normals and points.normals is NULL", caller,
-                        name_of(bias));
+                        "%s: the method \"%s\" or the filter needs normals and points.normals is "
+                        "NULL",
+                        caller, name_of(bias));
     if (!map_serves(map, bias))
         return shb_fail(context, SHB_ERROR_UNSUPPORTED,
                         "%s: the method \"%s\" needs a map that was drawn for it with the same "
@@ -73,14 +95,16 @@ void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_fi
     const shb_shade_kernels *kernels = map->context->shade_kernels;
     const shb_projection *projection = &map->projection;
     const shb_bias_args bias_args = {count, bias, &map->info, receivers, kernels};
-    const shb_filter_args filter_args = {count, filter, map, &map->info, receivers, visibility};
+    const shb_filter_args filter_args = {
+        count, filter, map, &map->info, receivers, visibility, shb_prepared_find(map, filter)};
 
     if (bias->needs & SHB_NEEDS_OCCLUDERS) {
-        shb_exact_visibility(map, count, receivers, visibility);
+        filter->exact(&filter_args);
         return;
     }
-    kernels->project(projection, bias->needs, count, receivers);
-    if (bias->needs & SHB_NEEDS_NORMAL)
+    const uint32_t needs = bias->needs | filter->needs;
+    kernels->project(projection, needs, count, receivers);
+    if (needs & SHB_NEEDS_NORMAL)
         kernels->normals(projection, count, receivers);
     if (bias->offset) {
         bias->offset(&bias_args);
@@ -149,7 +173,7 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
         const size_t left = points->count - first;
         const size_t count = left < SHB_BATCH ? left : SHB_BATCH;
         load(kernels, points->positions, position_stride, first, count, batch.x, batch.y, batch.z);
-        if (needs_normals(map, bias))
+        if (needs_normals(map, bias, filter))
             load(kernels, points->normals, normal_stride, first, count, batch.normal_x,
                  batch.normal_y, batch.normal_z);
         shb_visibility_batch(map, bias, filter ? filter : &hard, count, &batch, batch_visibility);

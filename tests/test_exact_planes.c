@@ -115,7 +115,8 @@ TEST(exact_needs_a_map_that_keeps_occluders) {
     CHECK_INT(ask(&h, (float[]){-0.5f, 0, 0}, NULL, &visibility), SHB_OK);
     CHECK(visibility == 0);
 
-    const shb_filter own = {.name = "own", .filter = shb_filter_hard().filter};
+    const shb_filter own = {
+        .name = "own", .filter = shb_filter_hard().filter, .exact = shb_filter_hard().exact};
     CHECK_INT(ask(&h, point, &own, &visibility), SHB_OK);
     const shb_filter other = {.name = "other", .filter = (shb_filter_fn *)(void (*)(void))free};
     CHECK_INT(ask(&h, point, &other, &visibility), SHB_ERROR_UNSUPPORTED);

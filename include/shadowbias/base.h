@@ -43,7 +43,7 @@ extern "C" {
 #endif
 
 /* Parameters that a method value carries with it. */
-#define SHB_PARAMS_MAX 4
+#define SHB_PARAMS_MAX 8
 
 typedef enum shb_result {
     SHB_OK = 0,

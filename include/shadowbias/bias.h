@@ -111,8 +111,8 @@ enum {
     SHB_NEEDS_SLOPE = 4,     /* the points must come with normals; fills slope_* */
     SHB_NEEDS_FLIPPED = 8,   /* the map is drawn with flip_culling */
     SHB_NEEDS_OCCLUDERS = 16 /* the map answers by the occluders it keeps, which takes normals
-                                unless these are lists; the stages are not called and the filter
-                                must be the hard one */
+                                unless these are lists; the stages are not called, and the filter
+                                must have the function exact */
 };
 
 struct shb_bias {

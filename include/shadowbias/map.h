@@ -43,6 +43,18 @@ shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const vo
 shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                         shb_draw_stats *stats);
 
+/* Lets the filter make what it reads beside the depths (shb_filter.prepare), and keeps it until the
+ * map is drawn again or destroyed, the filter is prepared with other parameters, or another filter
+ * takes its place where more than SHB_PREPARED_MAX are kept; a filter that prepares nothing is
+ * SHB_OK. To be called again when a host changes the texels of a wrapped map. What is kept is used
+ * by filters with the same prepare, release, params and user. One call at a time for a context, and
+ * none while others ask the map. SHB_ERROR_ARGUMENT for NULL, else as the filter says; the map
+ * keeps what it held then. */
+shb_result shb_map_prepare(shb_map *map, const shb_filter *filter);
+
+/* What different filters made of a map, kept at the same time. */
+#define SHB_PREPARED_MAX 4
+
 /* NULL is ignored. */
 void shb_map_destroy(shb_map *map);
 
@@ -63,8 +75,9 @@ typedef struct shb_points {
 } shb_points;
 
 /* Visibility of the light from count points: 0 shadowed .. 1 lit. filter NULL: hard. Allocates
- * nothing; any thread, any number at a time. SHB_ERROR_UNSUPPORTED if the method needs normals that
- * are missing or a map drawn for it; SHB_ERROR_ARGUMENT for NULL pointers or bad strides. */
+ * nothing; any thread, any number at a time. SHB_ERROR_UNSUPPORTED if method or filter need normals
+ * that are missing, a map drawn or prepared for them, or do not go together; SHB_ERROR_ARGUMENT for
+ * NULL pointers or bad strides. */
 shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,
                               const shb_filter *filter, float *visibility);
 

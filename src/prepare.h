@@ -1,0 +1,13 @@
+/* What filters make of a map before it is asked. */
+#ifndef SRC_PREPARE_H
+#define SRC_PREPARE_H
+
+#include "map.h"
+
+/* What was made of the map for the filter, or NULL. */
+const void *shb_prepared_find(const shb_map *map, const shb_filter *filter);
+
+/* Frees all of it. */
+void shb_prepared_release(shb_map *map);
+
+#endif

@@ -1,0 +1,160 @@
+/* What filters make of a map before it is asked: made once, found again, freed once. */
+#include "probe.h"
+#include "test.h"
+
+#include <stdlib.h>
+
+enum { SIZE = 4 };
+
+typedef struct host {
+    shb_context *context;
+    shb_map *map;
+    float texels[SIZE * SIZE];
+} host;
+
+static void open_host(host *h) {
+    *h = (host){0};
+    const shb_map_desc desc = {.view = probe_orthographic(false), .width = SIZE};
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &h->context), SHB_OK);
+    CHECK_INT(shb_map_wrap(h->context, &desc, h->texels, 0, NULL, &h->map), SHB_OK);
+}
+
+static void close_host(host *h) {
+    shb_map_destroy(h->map);
+    shb_context_destroy(h->context);
+}
+
+/* Counts preparations; its address tells filters apart. */
+typedef struct tally {
+    int made;
+} tally;
+
+/* Keeps its parameter plus one; a negative parameter fails. */
+static shb_result make_number(const shb_map *map, const shb_filter *filter, void **prepared,
+                              size_t *bytes) {
+    (void)map;
+    if (filter->params[0] < 0)
+        return SHB_ERROR_MEMORY;
+    float *number = malloc(sizeof *number);
+    *number = filter->params[0] + 1;
+    *prepared = number;
+    *bytes = 1000;
+    ((tally *)filter->user)->made++;
+    return SHB_OK;
+}
+
+static void release_number(const shb_map *map, void *prepared) {
+    (void)map;
+    free(prepared);
+}
+
+/* The number, or -1 without one. */
+static void tell_number(const shb_filter_args *args) {
+    const float *number = args->prepared;
+    for (size_t i = 0; i < args->count; i++)
+        args->visibility[i] = number ? *number : -1;
+}
+
+static float ask(const host *h, const shb_filter *filter) {
+    const shb_bias none = shb_bias_none();
+    const shb_points points = {.count = 1, .positions = (float[]){0, 0, 0}};
+    float visibility = -7;
+    CHECK_INT(shb_map_visibility(h->map, &points, &none, filter, &visibility), SHB_OK);
+    return visibility;
+}
+
+static shb_filter number_filter(tally *count, float param) {
+    return (shb_filter){.name = "number",
+                        .filter = tell_number,
+                        .prepare = make_number,
+                        .release = release_number,
+                        .params = {param},
+                        .user = count};
+}
+
+TEST(a_filter_finds_what_it_prepared_with_the_same_parameters) {
+    host h;
+    open_host(&h);
+    const size_t plain = shb_map_get_info(h.map)->memory_bytes;
+    tally count = {0};
+    const shb_filter four = number_filter(&count, 4), five = number_filter(&count, 5);
+    CHECK(ask(&h, &four) == -1);
+    CHECK_INT(shb_map_prepare(h.map, &four), SHB_OK);
+    CHECK(ask(&h, &four) == 5);
+    CHECK(ask(&h, &five) == -1);
+    CHECK_INT(shb_map_prepare(h.map, &five), SHB_OK);
+    CHECK(ask(&h, &five) == 6);
+    CHECK(ask(&h, &four) == -1);
+    CHECK_INT(shb_map_get_info(h.map)->memory_bytes, plain + 1000);
+    CHECK_INT(count.made, 2);
+    close_host(&h);
+}
+
+TEST(filters_of_several_kinds_are_prepared_at_the_same_time) {
+    host h;
+    open_host(&h);
+    const size_t plain = shb_map_get_info(h.map)->memory_bytes;
+    tally counts[SHB_PREPARED_MAX + 1] = {0};
+    for (int i = 0; i <= SHB_PREPARED_MAX; i++) {
+        const shb_filter filter = number_filter(&counts[i], (float)i);
+        CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
+    }
+    for (int i = 0; i <= SHB_PREPARED_MAX; i++) {
+        const shb_filter filter = number_filter(&counts[i], (float)i);
+        CHECK(ask(&h, &filter) == (i == 0 ? -1.0f : (float)i + 1));
+    }
+    CHECK_INT(shb_map_get_info(h.map)->memory_bytes, plain + 1000 * SHB_PREPARED_MAX);
+    close_host(&h);
+}
+
+TEST(a_failed_preparation_keeps_what_there_was) {
+    host h;
+    open_host(&h);
+    tally count = {0};
+    const shb_filter good = number_filter(&count, 1), bad = number_filter(&count, -2);
+    const shb_filter plain = {.name = "plain", .filter = tell_number};
+    CHECK_INT(shb_map_prepare(h.map, &good), SHB_OK);
+    CHECK_INT(shb_map_prepare(h.map, &bad), SHB_ERROR_MEMORY);
+    CHECK_INT(shb_map_prepare(h.map, &plain), SHB_OK);
+    CHECK(ask(&h, &good) == 2);
+    CHECK(ask(&h, &plain) == -1);
+    CHECK_INT(shb_map_prepare(NULL, &good), SHB_ERROR_ARGUMENT);
+    CHECK_INT(shb_map_prepare(h.map, NULL), SHB_ERROR_ARGUMENT);
+    CHECK_INT(shb_map_prepare(h.map, &(shb_filter){.prepare = make_number}), SHB_ERROR_ARGUMENT);
+    close_host(&h);
+}
+
+TEST(a_filter_that_needs_preparation_is_refused_without_it) {
+    host h;
+    open_host(&h);
+    tally count = {0};
+    const shb_bias none = shb_bias_none();
+    shb_filter filter = number_filter(&count, 1);
+    filter.needs = SHB_NEEDS_PREPARED;
+    const shb_points points = {.count = 1, .positions = (float[]){0, 0, 0}};
+    float visibility = -7;
+    CHECK_INT(shb_map_visibility(h.map, &points, &none, &filter, &visibility),
+              SHB_ERROR_UNSUPPORTED);
+    CHECK(visibility == -7);
+    CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
+    CHECK(ask(&h, &filter) == 2);
+    filter.needs = 1u << 30;
+    CHECK_INT(shb_map_visibility(h.map, &points, &none, &filter, &visibility), SHB_ERROR_ARGUMENT);
+    close_host(&h);
+}
+
+TEST(drawing_a_map_forgets_what_was_prepared) {
+    host h = {0};
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &h.context), SHB_OK);
+    const shb_map_desc desc = {.view = probe_orthographic(false), .width = SIZE};
+    CHECK_INT(shb_map_create(h.context, &desc, &h.map), SHB_OK);
+    const size_t plain = shb_map_get_info(h.map)->memory_bytes;
+    tally count = {0};
+    const shb_filter filter = number_filter(&count, 1);
+    CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
+    CHECK(ask(&h, &filter) == 2);
+    CHECK_INT(shb_map_draw(h.map, &(shb_scene){0}, NULL, NULL), SHB_OK);
+    CHECK(ask(&h, &filter) == -1);
+    CHECK_INT(shb_map_get_info(h.map)->memory_bytes, plain);
+    close_host(&h);
+}
