@@ -55,6 +55,19 @@ struct shb_filter {
     const void *user; /* for filters of your own; must outlive the use of the value */
 };
 
+/* What the taps of a filter compare the map with. */
+typedef enum shb_taps {
+    SHB_TAPS_PLANE = 0, /* the receiver plane at the tap's texel: ref + m * step_x + n * step_y (the
+                           delta bias of Ehm et al. 2015) */
+    SHB_TAPS_OWN,       /* ref of the fragment's own texel everywhere: false shadow on any slope */
+    SHB_TAPS_NAIVE /* for each tap anew, the light's ray through the texel's centre cut with the
+                      fragment's plane in the world, less the same epsilon; needs normals. The
+                      plane again, but for rounding and the limit of slopes; slow */
+} shb_taps;
+
+/* Taps on a disk that a filter may have. */
+#define SHB_POISSON_MAX 256
+
 /* "hard": one tap, the texel that holds the fragment (Williams 1978). Shadowed where the stored
  * depth is nearer than min(ref, far depth); equal is lit. */
 shb_filter shb_filter_hard(void);
