@@ -68,8 +68,8 @@ TEST(poisson_points_cover_the_disk_evenly) {
             y += py / counts[c];
             squared += (px * px + py * py) / counts[c];
         }
-        CHECK_NEAR(x, 0, 0.08);
-        CHECK_NEAR(y, 0, 0.08);
+        CHECK_NEAR(x, 0, 0.1); /* random ones deviate by 0.5 / sqrt(n) */
+        CHECK_NEAR(y, 0, 0.1);
         CHECK_NEAR(squared, 0.5, 0.07); /* the mean of r^2 over the disk */
     }
 }
