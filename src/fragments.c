@@ -95,8 +95,7 @@ static void read_nearest(const shb_frame *frame, const shb_surface_triangle *sur
 
 /* Finds the triangles of the next covered pixels of the span. */
 static size_t collect(shb_fragment_reader *reader, shb_fragment_span *span,
-                      const void *records[SHB_BATCH], shb_fragments *fragments,
-                      uint32_t facing[SHB_BATCH]) {
+                      shb_fragments *fragments, uint32_t facing[SHB_BATCH]) {
     const shb_frame *frame = reader->frame;
     const size_t stride = frame->id_stride ? frame->id_stride : frame->width * sizeof *frame->ids;
     const char *bytes = (const char *)frame->ids + span->row * stride;
@@ -113,7 +112,7 @@ static size_t collect(shb_fragment_reader *reader, shb_fragment_span *span,
         last = ids[x];
         if (!triangle->exists)
             continue;
-        records[count] = &triangle->surface;
+        reader->records[count] = &triangle->surface;
         facing[count] = triangle->facing;
         fragments->id[count] = ids[x];
         fragments->pixel_x[count++] = (int32_t)x;
@@ -135,11 +134,11 @@ static void pad(size_t count, const void *records[SHB_BATCH], shb_fragments *fra
 
 size_t shb_fragments_read(shb_fragment_reader *reader, shb_fragment_span *span,
                           shb_fragments *fragments, uint32_t facing[SHB_BATCH]) {
-    const void *records[SHB_BATCH];
+    const void **records = reader->records;
     SHB_ALIGN float outside[SHB_BATCH];
     size_t count;
     do
-        count = collect(reader, span, records, fragments, facing);
+        count = collect(reader, span, fragments, facing);
     while (count == 0 && span->column < span->end);
     if (count == 0)
         return 0;

@@ -27,8 +27,9 @@ typedef struct shb_fragment_reader {
     shb_light_source eye;
     const shb_light_source *lights; /* at most 32 */
     size_t light_count;
-    uint32_t batch;                /* number of the current one */
-    shb_surface_instance instance; /* of the last triangle; first_id SHB_ID_NONE: none */
+    uint32_t batch;                 /* number of the current one */
+    const void *records[SHB_BATCH]; /* its shb_surface_triangles, filled up to whole vectors */
+    shb_surface_instance instance;  /* of the last triangle; first_id SHB_ID_NONE: none */
     shb_fragment_set sets[SHB_FRAGMENT_SETS];
 } shb_fragment_reader;
 

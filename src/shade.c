@@ -10,6 +10,7 @@
 #include "kernels/shade.h"
 #include "map.h"
 #include "scene.h"
+#include "terminator.h"
 #include "visibility.h"
 
 /* Pixels of a task: rows enough to meet triangles again, narrow enough to keep those of a row. */
@@ -30,6 +31,7 @@ typedef struct shading {
 typedef struct workspace {
     shb_fragment_reader reader;
     shb_fragments fragments;
+    shb_lifted_points lifted; /* for a smooth terminator */
     shb_receivers receivers;
     shb_lighting lighting[SHB_LIGHTS_MAX];
     SHB_ALIGN float red[SHB_BATCH];
@@ -115,24 +117,49 @@ static shb_result check(const shb_context *context, const shb_shade_desc *desc) 
     return result == SHB_OK ? check_lights(context, desc) : result;
 }
 
-/* A light's share of a batch; all fragments go through the map, so that vectors stay full. */
-static void ask_light(const shading *job, size_t k, size_t count, workspace *work) {
-    const shb_shade_light *light = &job->desc->lights[k];
+/* A triangle that faces away has no plane that could tell of the smooth surface: there the
+ * surface's own tangent plane does, and the triangle counts as facing the light. */
+static void smooth_normals(uint32_t light, size_t lanes, const shb_fragments *fragments,
+                           uint32_t *facing, shb_receivers *receivers) {
+    for (size_t i = 0; i < lanes; i++) {
+        const bool faces = (facing[i] >> light & 1) != 0;
+        receivers->normal_x[i] = faces ? fragments->normal_x[i] : fragments->shading_x[i];
+        receivers->normal_y[i] = faces ? fragments->normal_y[i] : fragments->shading_y[i];
+        receivers->normal_z[i] = faces ? fragments->normal_z[i] : fragments->shading_z[i];
+        facing[i] |= 1u << light;
+    }
+}
+
+static void read_receivers(const shading *job, size_t light, size_t count, workspace *work) {
+    const bool smooth = job->desc->smooth_terminator;
     const shb_fragments *fragments = &work->fragments;
     shb_receivers *receivers = &work->receivers;
-    const size_t size = shb_round_to_lanes(count) * sizeof *receivers->x;
-    memcpy(receivers->x, fragments->x, size);
-    memcpy(receivers->y, fragments->y, size);
-    memcpy(receivers->z, fragments->z, size);
+    const size_t lanes = shb_round_to_lanes(count);
+    const size_t size = lanes * sizeof *receivers->x;
+    memcpy(receivers->x, smooth ? work->lifted.x : fragments->x, size);
+    memcpy(receivers->y, smooth ? work->lifted.y : fragments->y, size);
+    memcpy(receivers->z, smooth ? work->lifted.z : fragments->z, size);
+    if (smooth) {
+        smooth_normals((uint32_t)light, lanes, fragments, work->facing, receivers);
+        return;
+    }
     memcpy(receivers->normal_x, fragments->normal_x, size);
     memcpy(receivers->normal_y, fragments->normal_y, size);
     memcpy(receivers->normal_z, fragments->normal_z, size);
+}
+
+/* A light's share of a batch; all fragments go through the map, so that vectors stay full. */
+static void ask_light(const shading *job, size_t k, size_t count, workspace *work) {
+    const shb_shade_light *light = &job->desc->lights[k];
     shb_lighting *lighting = &work->lighting[k];
     float *visibility = lighting->visibility;
-    shb_visibility_batch(light->map, light->bias, &job->filters[k], count, receivers, visibility);
+    read_receivers(job, k, count, work);
+    shb_visibility_batch(light->map, light->bias, &job->filters[k], count, &work->receivers,
+                         visibility);
     for (size_t i = count; i % SHB_LANES; i++)
         visibility[i] = visibility[count - 1];
-    job->kernels->lighting(&job->lights[k], (uint32_t)k, count, fragments, work->facing, lighting);
+    job->kernels->lighting(&job->lights[k], (uint32_t)k, count, &work->fragments, work->facing,
+                           lighting);
 }
 
 static void write_pixels(const shading *job, size_t count, const workspace *work) {
@@ -153,6 +180,8 @@ static void write_pixels(const shading *job, size_t count, const workspace *work
 
 static void shade_batch(const shading *job, size_t count, workspace *work) {
     const shb_shade_desc *desc = job->desc;
+    if (desc->smooth_terminator)
+        shb_terminator_lift_batch(&work->reader, count, &work->fragments, &work->lifted);
     for (size_t k = 0; k < desc->light_count; k++)
         ask_light(job, k, count, work);
     memset(work->red, 0, sizeof work->red);

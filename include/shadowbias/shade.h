@@ -47,8 +47,8 @@ typedef struct shb_fragments {
 /* What one light does to the batch. A triangle faces the light if light and camera lie on the same
  * side of it. */
 typedef struct shb_lighting {
-    SHB_ALIGN float
-        visibility[SHB_BATCH]; /* 0 shadowed .. 1 lit; 0 where the triangle faces away */
+    SHB_ALIGN float visibility[SHB_BATCH]; /* 0 shadowed .. 1 lit; 0 where the triangle faces away,
+                                              unless the terminator is smooth */
     float cosine[SHB_BATCH]; /* between shading normal and light direction; 0 where the triangle or
                                 the shading normal faces away */
 } shb_lighting;
@@ -84,7 +84,14 @@ typedef struct shb_shade_desc {
     shb_shade_fn *shade;
     const void *user;
     float background[3]; /* linear colour of pixels without a fragment */
-    shb_image image;     /* pixels NULL: none is written, the callback may keep what it wants */
+    /* Triangles turn away from a light, and into each other's shadow, before the smooth surface
+     * does that the mesh's normals describe: low-poly shapes show dark facets at the terminator.
+     * True: lights are asked at the point moved out to that surface (Hanika 2021, Hacking the
+     * shadow terminator, Ray Tracing Gems II, chapter 4), and triangles that face away are asked
+     * too, as the surface's tangent plane; only its normal decides what faces a light. Meshes
+     * without normals are shaded as ever. */
+    bool smooth_terminator;
+    shb_image image; /* pixels NULL: none is written, the callback may keep what it wants */
 } shb_shade_desc;
 
 /* Shades the frame; allocates nothing, but needs some 200 KB of stack on every thread. Errors:
