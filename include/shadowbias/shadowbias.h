@@ -2,6 +2,7 @@
 #ifndef SHADOWBIAS_SHADOWBIAS_H
 #define SHADOWBIAS_SHADOWBIAS_H
 
+#include "shadowbias/area.h"
 #include "shadowbias/base.h"
 #include "shadowbias/bias.h"
 #include "shadowbias/context.h"

@@ -1,0 +1,121 @@
+/* How much of an area light reaches points, by rays. */
+#include "../strict.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "../area_light.h"
+#include "../vector.h"
+#include "reference.h"
+#include "shaft.h"
+
+/* Points of one task, and triangles that are tested one by one instead of through the hierarchy. */
+enum { POINTS = 16, BLOCKERS = 64 };
+
+typedef struct query {
+    const shb_reference *reference;
+    const shb_area_light *area;
+    uint32_t samples;
+    const shb_area_points *points;
+    float *visibility;
+} query;
+
+/* A point and what can stand between it and the light. */
+typedef struct receiver {
+    shb_vec3 position, normal; /* no normal: zero */
+    uint32_t own_id;
+    const shb_triangle *own;
+    bool gathered; /* what can is known */
+    uint32_t blocker_count;
+    const shb_triangle *blockers[BLOCKERS]; /* the first one is the latest that did */
+} receiver;
+
+/* The finalizer of MurmurHash3. */
+static uint64_t mix(uint64_t h) {
+    h = (h ^ h >> 33) * 0xff51afd7ed558ccdu;
+    h = (h ^ h >> 33) * 0xc4ceb9fe1a85ec53u;
+    return h ^ h >> 33;
+}
+
+static shb_area_place shift_of(shb_vec3 position) {
+    const double coordinates[3] = {position.x, position.y, position.z};
+    uint64_t hash = 0;
+    for (int i = 0; i < 3; i++) {
+        uint64_t bits;
+        memcpy(&bits, &coordinates[i], sizeof bits);
+        hash = mix(hash * 0x9e3779b97f4a7c15u + bits + 1);
+    }
+    return (shb_area_place){(double)(hash >> 32) * 0x1p-32, (double)(hash & 0xffffffffu) * 0x1p-32};
+}
+
+static bool is_blocked(const shb_bvh *bvh, receiver *r, const shb_ray *ray) {
+    if (!r->gathered)
+        return shb_bvh_occluded(bvh, ray, r->own_id);
+    for (uint32_t i = 0; i < r->blocker_count; i++) {
+        const shb_triangle *blocker = r->blockers[i];
+        if (!shb_ray_is_blocked(ray, blocker, r->own))
+            continue;
+        r->blockers[i] = r->blockers[0];
+        r->blockers[0] = blocker;
+        return true;
+    }
+    return false;
+}
+
+static bool is_lit(const shb_bvh *bvh, receiver *r, const shb_light_source *sample) {
+    shb_ray ray;
+    if (!shb_ray_to_light(sample, r->position, &ray))
+        return true;
+    const shb_vec3 direction = {ray.direction[0], ray.direction[1], ray.direction[2]};
+    return !(vec3_dot(direction, r->normal) < 0) && !is_blocked(bvh, r, &ray);
+}
+
+static float ask_point(const query *q, size_t index) {
+    const shb_bvh *bvh = &q->reference->bvh;
+    const shb_area_points *points = q->points;
+    receiver r = {.position = points->positions[index],
+                  .own_id = points->own_ids ? points->own_ids[index] : SHB_ID_NONE};
+    if (points->normals && vec3_is_finite(points->normals[index]))
+        r.normal = points->normals[index];
+    if (!vec3_is_finite(r.position))
+        return 1;
+    r.own = shb_bvh_find(bvh, r.own_id);
+    const shb_shaft shaft = shb_shaft_of(bvh, q->area, r.position);
+    r.gathered = shb_shaft_gather(bvh, &shaft, r.own_id, BLOCKERS, r.blockers, &r.blocker_count);
+    const shb_area_place shift = shift_of(r.position);
+    uint32_t lit = 0;
+    for (uint32_t i = 0; i < q->samples; i++) {
+        const shb_area_place place = shb_area_shift(shb_area_pattern(i, q->samples), shift);
+        const shb_light_source sample = shb_area_sample(q->area, place);
+        lit += is_lit(bvh, &r, &sample);
+    }
+    return (float)((double)lit / q->samples);
+}
+
+static void ask_points(void *arg, size_t index) {
+    const query *q = arg;
+    const size_t begin = index * POINTS;
+    const size_t end = q->points->count - begin < POINTS ? q->points->count : begin + POINTS;
+    for (size_t i = begin; i < end; i++)
+        q->visibility[i] = ask_point(q, i);
+}
+
+shb_result shb_reference_area(const shb_reference *reference, const shb_area_light *area,
+                              uint32_t samples, const shb_area_points *points, float *visibility) {
+    if (!reference)
+        return SHB_ERROR_ARGUMENT;
+    const shb_context *context = reference->context;
+    if (!area || !points || (points->count && (!points->positions || !visibility)))
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_reference_area: %s is NULL",
+                        !area                ? "area"
+                        : !points            ? "points"
+                        : !points->positions ? "points.positions"
+                                             : "visibility");
+    const shb_result result = shb_area_check(context, "shb_reference_area", area, samples);
+    if (result)
+        return result;
+    query q = {reference, area, samples, points, visibility};
+    if (points->count)
+        shb_parallel_for(context, ask_points, &q, (points->count - 1) / POINTS + 1);
+    return SHB_OK;
+}
