@@ -143,8 +143,10 @@ static shb_result ask_sample(shb_context *context, query *q, uint32_t index) {
     shb_mat4 *view = &map_desc.view.clip_from_world;
     *view = move_view(view, &q->light, &sample);
     const window part = window_of_points(q, view);
-    fit_window(&part, (uint32_t[2]){desc->map.width, desc->map.height ? desc->map.height : desc->map.width},
-               view);
+    fit_window(
+        &part,
+        (uint32_t[2]){desc->map.width, desc->map.height ? desc->map.height : desc->map.width},
+        view);
     shb_map *map;
     shb_result result = shb_map_create(context, &map_desc, &map);
     if (result)
@@ -171,15 +173,17 @@ static shb_result ask_samples(shb_context *context, query *q, float *visibility)
 
 /* ---- the call ---- */
 
-static const char *missing(const shb_area_desc *desc, const shb_points *points,
-                           const float *visibility) {
-    return !desc                                   ? "desc"
-           : !desc->scene                          ? "desc.scene"
-           : !desc->bias                           ? "desc.bias"
-           : !points                               ? "points"
-           : points->count && !points->positions ? "points.positions"
-           : points->count && !visibility        ? "visibility"
-                                                   : NULL;
+static shb_result check_points(const shb_context *context, const shb_points *points,
+                               const float *visibility) {
+    if (points->count && (!points->positions || !visibility))
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_area_visibility: %s is NULL",
+                        visibility ? "points.positions" : "visibility");
+    if (points->position_stride % 4 || points->normal_stride % 4)
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "shb_area_visibility: points.position_stride %zu or points.normal_stride "
+                        "%zu is not a multiple of 4",
+                        points->position_stride, points->normal_stride);
+    return SHB_OK;
 }
 
 static shb_result check_view(const shb_context *context, const shb_area_desc *desc,
@@ -198,12 +202,15 @@ shb_result shb_area_visibility(shb_context *context, const shb_area_desc *desc,
                                const shb_points *points, float *visibility) {
     if (!context)
         return SHB_ERROR_ARGUMENT;
-    const char *name = missing(desc, points, visibility);
-    if (name)
-        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_area_visibility: %s is NULL", name);
+    if (!desc || !desc->scene || !points)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_area_visibility: %s is NULL",
+                        !desc    ? "desc"
+                        : points ? "desc.scene"
+                                 : "points");
     query q = {.context = context, .desc = desc, .points = points};
-    shb_result result =
-        shb_area_check(context, "shb_area_visibility", &desc->area, desc->samples);
+    shb_result result = check_points(context, points, visibility);
+    if (!result)
+        result = shb_area_check(context, "shb_area_visibility", &desc->area, desc->samples);
     if (!result)
         result = check_view(context, desc, &q.light);
     if (result)
@@ -214,8 +221,8 @@ shb_result shb_area_visibility(shb_context *context, const shb_area_desc *desc,
     if (q.in_sight && q.seen && q.sum)
         result = ask_samples(context, &q, visibility);
     else
-        result = shb_fail(context, SHB_ERROR_MEMORY, "shb_area_visibility: no memory for %zu points",
-                          points->count);
+        result = shb_fail(context, SHB_ERROR_MEMORY,
+                          "shb_area_visibility: no memory for %zu points", points->count);
     shb_free(context, q.in_sight);
     shb_free(context, q.seen);
     shb_free(context, q.sum);

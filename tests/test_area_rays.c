@@ -129,7 +129,7 @@ TEST(samples_behind_the_surface_are_dark) {
     scene_truth t = make_roof();
     const shb_area_light area = {{{0.1, 0, 0.5}, 1}, {0.4, 0, 0}, {0, 0.4, 0}, false};
     const shb_vec3 positions[4] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    const shb_vec3 normals[4] = {{7, 0, 0}, {-1, 0, 0}, {0, 0, 0}, {NAN, 0, 0}};
+    const shb_vec3 normals[4] = {{7, 0, 0}, {-1, 0, 0}, {0, 0, 0}, {(double)NAN, 0, 0}};
     const shb_area_points points = {.count = 4, .positions = positions, .normals = normals};
     float visibility[4];
     CHECK_INT(shb_reference_area(t.reference, &area, 1000, &points, visibility), SHB_OK);
@@ -159,8 +159,8 @@ TEST(points_that_are_not_finite_or_on_the_light_are_lit) {
     const shb_area_light area = {{{-5, -5, 2}, 1}, {0, 0, 0}, {0, 0, 0}, true};
     CHECK(ask_one(&t, &area, 16, (shb_vec3){-5, -5, 0}) == 0);
     CHECK(ask_one(&t, &area, 16, (shb_vec3){-5, -5, 2}) == 1);
-    CHECK(ask_one(&t, &area, 16, (shb_vec3){NAN, -5, 0}) == 1);
-    CHECK(ask_one(&t, &area, 16, (shb_vec3){-5, -INFINITY, 0}) == 1);
+    CHECK(ask_one(&t, &area, 16, (shb_vec3){(double)NAN, -5, 0}) == 1);
+    CHECK(ask_one(&t, &area, 16, (shb_vec3){-5, -(double)INFINITY, 0}) == 1);
     free_truth(&t);
 }
 
@@ -288,9 +288,9 @@ TEST(area_truth_refuses_bad_arguments) {
     shb_area_light bad[5] = {good, good, good, good, good};
     bad[0].light.w = 0.5;
     bad[1].light = (shb_light_source){{0, 0, 0}, 0};
-    bad[2].light.position.y = NAN;
-    bad[3].u.z = INFINITY;
-    bad[4].v.x = NAN;
+    bad[2].light.position.y = (double)NAN;
+    bad[3].u.z = (double)INFINITY;
+    bad[4].v.x = (double)NAN;
     for (int i = 0; i < 5; i++)
         CHECK_INT(shb_reference_area(t.reference, &bad[i], 1, &points, &v), SHB_ERROR_NUMBER);
     CHECK(v == 9);
