@@ -76,6 +76,28 @@ typedef struct shb_errors {
 shb_result shb_errors_measure(size_t count, const uint8_t *truth, const float *visibility,
                               shb_errors *errors);
 
+/* How far soft shadows are from the truth. */
+typedef struct shb_soft_errors {
+    uint64_t fragments; /* that count */
+    double rms;         /* square root of the mean squared difference */
+    double mean;        /* of absolute differences */
+    double largest;     /* absolute difference */
+    double similarity;  /* structural similarity, 1: the same, -1 .. 1 */
+} shb_soft_errors;
+
+/* truth and visibility hold width * height values from 0 to 1, row by row without gaps; mask is 0
+ * where a pixel does not count (what truth and visibility hold there is not read), or NULL: all
+ * count. The similarity is the mean of (2 m n + c) (2 s_mn + d) / ((m^2 + n^2 + c) (s_m^2 + s_n^2 +
+ * d)) over all windows of 8 x 8 pixels, or of the frame's size where it is smaller, with the means
+ * m and n, the (co)variances s of a window's pixels and c = 0.01^2, d = 0.03^2 (Wang, Bovik, Sheikh
+ * and Simoncelli 2004); pixels that do not count are left out of their windows, and the weight of a
+ * window is the number of those that do. If none counts: no errors, similarity 1.
+ * SHB_ERROR_ARGUMENT for NULL, SHB_ERROR_SIZE for a width or height of 0, SHB_ERROR_NUMBER if a
+ * value that counts is not finite. */
+shb_result shb_soft_errors_measure(uint32_t width, uint32_t height, const float *truth,
+                                   const float *visibility, const uint8_t *mask,
+                                   shb_soft_errors *errors);
+
 /* How far a shadow is detached from its contact line. The probe runs from contact along direction
  * (a unit vector in the receiver's plane) over length world units, in samples steps; every probe
  * point must truly be in shadow, or it is skipped. */
