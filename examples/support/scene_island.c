@@ -3,6 +3,7 @@
 #include "scenes_builtin.h"
 
 #include "architecture.h"
+#include "foliage.h"
 #include "noise.h"
 #include "shapes.h"
 
@@ -77,19 +78,6 @@ static void add_rock(example_scene *scene) {
     scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, &rock);
 }
 
-/* One leaf: a bent lozenge of two triangles. */
-static void add_leaf(owned_mesh *mesh, shb_vec3 at, shb_vec3 out, double size, uint32_t number) {
-    const shb_vec3 spread = {noise_random(3 * number), noise_random(3 * number + 1),
-                             noise_random(3 * number + 2)};
-    const shb_vec3 axis = shb_vec3_normalize(shb_vec3_add(out, shb_vec3_scale(spread, 0.9)));
-    const shb_vec3 side =
-        shb_vec3_normalize(shb_vec3_cross(axis, (shb_vec3){spread.z, 0.5, spread.x}));
-    const shb_vec3 tip = shb_vec3_add(at, shb_vec3_scale(axis, size));
-    const shb_vec3 middle = shb_vec3_add(at, shb_vec3_scale(axis, 0.45 * size));
-    shape_quad(mesh, at, shb_vec3_add(middle, shb_vec3_scale(side, 0.32 * size)), tip,
-               shb_vec3_add(middle, shb_vec3_scale(side, -0.32 * size)));
-}
-
 /* A crown of leaves on an ellipsoid's surface, evenly spread by the golden angle. */
 static void add_crown(owned_mesh *mesh, shb_vec3 center, double radius, uint32_t leaves,
                       uint32_t seed) {
@@ -100,7 +88,7 @@ static void add_crown(owned_mesh *mesh, shb_vec3 center, double radius, uint32_t
         const double depth = radius * (0.72 + 0.22 * noise_random(7 * (seed + i)));
         const shb_vec3 at = {center.x + depth * out.x, center.y + 0.8 * depth * out.y,
                              center.z + depth * out.z};
-        add_leaf(mesh, at, out, 0.42 * radius, seed + i);
+        foliage_leaf(mesh, at, out, 0.42 * radius, seed + i);
     }
 }
 

@@ -23,6 +23,8 @@ static const scene_entry entries[] = {
     {"wedge", "a plate hinged on the ground", "angle in degrees", 15, 0.01, 90, scene_build_wedge},
     {"columns", "a court between arcades with curtains", NULL, 0, 0, 0, scene_build_columns},
     {"island", "a floating rock with trees and a temple", NULL, 0, 0, 0, scene_build_island},
+    {"tree", "a tree, a fence and poles: what is thin, high above the ground", NULL, 0, 0, 0,
+     scene_build_tree},
 };
 
 const scene_entry *scene_entries(size_t *count) {

@@ -15,5 +15,6 @@ void scene_build_sphere(example_scene *scene, double unused);
 void scene_build_wedge(example_scene *scene, double angle);
 void scene_build_columns(example_scene *scene, double unused);
 void scene_build_island(example_scene *scene, double unused);
+void scene_build_tree(example_scene *scene, double unused);
 
 #endif
