@@ -25,6 +25,7 @@ struct shb_context {
     const struct shb_shade_kernels *shade_kernels;
     shb_buffer draw_scratch[16]; /* drawing's own, named in scratch.h */
     shb_buffer map_scratch[4];   /* layers that a map combines */
+    shb_buffer list_scratch[16]; /* building lists, named in lists_scratch.h */
 };
 
 /* count * size bytes on a 64-byte boundary, or NULL when the product overflows or memory is out.

@@ -1,62 +1,41 @@
-/* One triangle of the lists: the volume behind it that the light does not reach, bounded by the
- * planes through the light and its edges and by its own plane, each with a bound of its rounding.
+/* One triangle of the lists: the volume behind it that the light does not reach, as the light sees
+ * it, each function with a bound of its rounding.
  *
- * A point has the light's coordinates X, Y (texels) and Z (canonical depth). Three edge functions
- * x X + y Y + one are positive inside and have the unit texels: |x| + |y| = 1. The fourth function
- * is Z minus the depth of the triangle's plane at (X, Y). */
+ * A point has the light's coordinates X, Y (texels) and Z (canonical depth). The barycentric
+ * weights of the second and third corner are linear in X and Y; floats do for them, because a point
+ * too near to an edge is left to the ray. How far the point lies behind the triangle's plane is Z
+ * plus a linear function, in double. */
 #ifndef SRC_LIST_TRIANGLE_H
 #define SRC_LIST_TRIANGLE_H
 
-#include "reference/ray.h"
-#include "shadowbias/scene.h"
-
-/* Elements of the four functions. */
-enum { SHB_LIST_DEPTH = 3, SHB_LIST_FUNCTIONS = 4 };
+#include "lists_frame.h"
 
 typedef struct shb_list_triangle {
-    SHB_ALIGN double x[SHB_LIST_FUNCTIONS];
-    double y[SHB_LIST_FUNCTIONS];
-    double one[SHB_LIST_FUNCTIONS];
-    /* Rounding of the functions at points within the largest coordinate of the scene that project
-     * into the triangle's box. Infinite where nothing is known: a triangle seen edge-on. */
-    float edge_bound, depth_bound;
-    float normal[3]; /* sizes: change of depth function times w per world unit */
-    float nearest;   /* depth, rounded towards the light */
-    uint32_t id;
-    uint32_t crosses_near; /* a part lies in front of the near plane */
+    SHB_ALIGN double plane[3]; /* x, y, one: distance behind = Z + x X + y Y + one */
+    float u[3], v[3];          /* x, y, one: the weights; that of the first corner is 1 - u - v */
+    float margin;  /* rounding of the weights. Infinite where nothing is known but the plane: a part
+                      of the triangle lies in front of the near plane */
+    float bound;   /* rounding of the distance where no weight is below -margin; infinite where
+                      nothing is known: the light sees the triangle edge-on */
+    float clear;   /* the same for points of the scene that were rounded to floats */
+    float nearest; /* depth, rounded towards the light; in the order of levels */
 } shb_list_triangle;
 
-/* How points become X, Y, Z: rows for X w, Y w, Z w and w. */
-typedef struct shb_list_frame {
-    double rows[4][4];
-    double near_depth;    /* canonical */
-    double width, height; /* texels */
-    shb_light_source light;
-    double reach;     /* the largest coordinate of the scene */
-    double errors[4]; /* bounds of the rounding of the rows' products, and of rays' drift */
-} shb_list_frame;
-
-/* A frame of a view for scenes whose coordinates are no larger than reach; SHB_ERROR_NUMBER if the
- * view has no light. */
-shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t height, double reach,
-                               shb_list_frame *frame);
-
-/* A row's product with a point. */
-static inline double shb_list_row(const double row[4], double x, double y, double z) {
-    return ((row[0] * x + row[1] * y) + row[2] * z) + row[3];
-}
-
-/* Where the light sees a triangle: an outward bound. Texels, both ends included. */
+/* Where the light sees a triangle: an outward bound. Texels, both ends included; none if the last
+ * row is before the first. level: of its nearest depth. */
 typedef struct shb_list_box {
-    uint16_t first_column, first_row, last_column, last_row;
+    uint16_t first_column, first_row, last_column, last_row, level;
 } shb_list_box;
 
-/* Box and nearest depth of what lies behind the near plane; false if the view sees none of it or
- * the triangle has no area. */
-bool shb_list_triangle_bounds(const shb_list_frame *frame, const double corners[3][3],
-                              shb_list_box *box, float *nearest);
+static const shb_list_box SHB_LIST_BOX_NONE = {.first_row = 1};
 
-void shb_list_triangle_prepare(const shb_list_frame *frame, const shb_triangle *world,
-                               const shb_list_box *box, float nearest, shb_list_triangle *triangle);
+static inline bool shb_list_box_is_none(const shb_list_box *box) {
+    return box->last_row < box->first_row;
+}
+
+/* Prepares a triangle that has a corner in front of the near plane, or one that cannot be
+ * projected. */
+void shb_list_triangle_cut(const shb_list_frame *frame, const double corners[3][3],
+                           shb_list_triangle *triangle, shb_list_box *box);
 
 #endif

@@ -1,21 +1,14 @@
-/* One tile of the lists while they are built. */
+/* Filling the tiles of lists. */
 #ifndef SRC_LISTS_TILE_H
 #define SRC_LISTS_TILE_H
 
-#include "lists.h"
+#include "lists_bin.h"
 
-typedef struct shb_list_tile {
-    const shb_lists *lists;
-    const shb_list_box *boxes; /* of the triangles */
-    const uint32_t *numbers;   /* of the triangles that reach the tile, ascending */
-    size_t count;
-    uint32_t first_column, first_row;
-} shb_list_tile;
+/* Divides the tiles into cells: the more triangles, the more. Returns the number of all cells. */
+size_t shb_list_tiles_divide(shb_list_tile *tiles, const shb_list_bins *bins);
 
-/* Counts the entries of each texel of the tile. */
-void shb_list_tile_count(const shb_list_tile *tile, uint32_t *counts);
-
-/* Writes the entries: those of texel i from entries[next[i]] on; next moves behind them. */
-void shb_list_tile_fill(const shb_list_tile *tile, uint32_t *next, uint32_t *entries);
+/* Fills the tiles' cells and entries. *entries receives how many there are: all of them are written
+ * if the lists have room for so many, otherwise nothing is of use. False: out of memory. */
+bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t room, size_t *entries);
 
 #endif

@@ -83,7 +83,7 @@ static bool keeps_occluders(const shb_map *map, const shb_bias *bias) {
 static void set_lists(shb_map *map, shb_lists *lists) {
     if (map->lists)
         map->info.memory_bytes -= map->lists->memory_bytes;
-    shb_lists_destroy(map->lists);
+    shb_lists_recycle(map->lists);
     map->lists = lists;
     if (lists)
         map->info.memory_bytes += lists->memory_bytes;
@@ -139,7 +139,7 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
     if (result != SHB_OK) {
         if (keeps_texels)
             shb_occluders_release(map->context, &occluders);
-        shb_lists_destroy(lists);
+        shb_lists_recycle(lists);
         return result;
     }
     if (combines)

@@ -11,5 +11,7 @@ SHB_TARGET_BEGIN("avx2,avx512f,avx512vl,avx512dq,avx512bw")
 #include "kernels.inl"
 #define SHADE_KERNELS shb_shade_kernels_avx512
 #include "k_shade.inl"
+#define LIST_KERNELS shb_list_kernels_avx512
+#include "k_lists.inl"
 SHB_TARGET_END
 #endif

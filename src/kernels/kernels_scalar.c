@@ -8,3 +8,5 @@
 #include "doubles_scalar.h"
 #define SHADE_KERNELS shb_shade_kernels_scalar
 #include "k_shade.inl"
+#define LIST_KERNELS shb_list_kernels_scalar
+#include "k_lists.inl"

@@ -10,5 +10,7 @@ SHB_TARGET_BEGIN("sse2")
 #include "kernels.inl"
 #define SHADE_KERNELS shb_shade_kernels_sse2
 #include "k_shade.inl"
+#define LIST_KERNELS shb_list_kernels_sse2
+#include "k_lists.inl"
 SHB_TARGET_END
 #endif

@@ -1,0 +1,75 @@
+#include "strict.h"
+
+#include "lists_frame.h"
+
+#include <float.h>
+#include <math.h>
+
+/* The largest relative error of one operation. */
+#define ROUNDING 0x1p-53
+
+/* Roundings of a projected coordinate, in units of the sum of its products' sizes: 4 of the row's
+ * product, 2 of the row itself, 12 of the corners and points in the world (ray.c), 8 of a corner
+ * sheared there times a distance of up to 2, 4 of the division and of differences of coordinates;
+ * the rest is to spare. */
+#define PROJECTION_ROUNDING (64 * ROUNDING)
+
+static void matrix_row(const shb_mat4 *matrix, int row, double out[4]) {
+    for (int column = 0; column < 4; column++)
+        out[column] = matrix->m[4 * column + row];
+}
+
+static double row_size(const double row[4], double reach) {
+    return (fabs(row[0]) + fabs(row[1]) + fabs(row[2])) * reach + fabs(row[3]);
+}
+
+/* How much a row changes, by rounding, along a ray from the scene to the light, where it should
+ * stay in proportion to w. For a point only the part of the way counts that w says lies between two
+ * points of the scene. */
+static double drift(const shb_list_frame *frame, const double row[4]) {
+    const shb_vec3 p = frame->light.position;
+    const double sizes = fabs(row[0] * p.x) + fabs(row[1] * p.y) + fabs(row[2] * p.z);
+    const double *w = frame->rows[3];
+    if (frame->light.w == 0) {
+        const double change = fabs((row[0] * p.x + row[1] * p.y) + row[2] * p.z);
+        return 4 * frame->reach * (change + 4 * ROUNDING * sizes);
+    }
+    const double depth = row_size(w, frame->reach) - fabs(w[3]);
+    const double distance = w[3] - depth;
+    const double part = distance > 2 * depth ? 2 * depth / distance : 1;
+    return part * (fabs(shb_list_row(row, p.x, p.y, p.z)) + 4 * ROUNDING * (sizes + fabs(row[3])));
+}
+
+shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t height,
+                               shb_list_frame *frame) {
+    shb_list_frame made = {
+        .near_depth = view->reversed ? -1 : 0, .width = width, .height = height, .levels = 1};
+    const shb_result result = shb_view_light_source(view, &made.light);
+    if (result)
+        return result;
+    double x[4], y[4], z[4], w[4];
+    matrix_row(&view->clip_from_world, 0, x);
+    matrix_row(&view->clip_from_world, 1, y);
+    matrix_row(&view->clip_from_world, 2, z);
+    matrix_row(&view->clip_from_world, 3, w);
+    for (int i = 0; i < 4; i++) {
+        made.rows[0][i] = (w[i] + x[i]) * (0.5 * made.width);
+        made.rows[1][i] = (w[i] - y[i]) * (0.5 * made.height);
+        made.rows[2][i] = view->reversed ? -z[i] : z[i];
+        made.rows[3][i] = w[i];
+    }
+    *frame = made;
+    return SHB_OK;
+}
+
+void shb_list_frame_fit(shb_list_frame *frame, const shb_list_extent *extent) {
+    frame->reach = extent->reach;
+    for (int r = 0; r < 4; r++) {
+        frame->errors[r] = PROJECTION_ROUNDING * row_size(frame->rows[r], frame->reach);
+        if (r != 2)
+            frame->errors[r] += drift(frame, frame->rows[r]);
+    }
+    const double range = extent->farthest - extent->nearest;
+    frame->level_origin = range > 0 ? extent->nearest : frame->near_depth;
+    frame->levels = SHB_LIST_LEVELS / (range > 0x1p-500 && range < 0x1p500 ? range : 1);
+}
