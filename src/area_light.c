@@ -30,11 +30,14 @@ shb_area_place shb_area_shift(shb_area_place place, shb_area_place by) {
 /* Sine and cosine of an angle of at most pi / 4 by their Taylor series, whose rests are below
  * 2^-53: the same bits with every C library. */
 static void sine_cosine(double angle, double *sine, double *cosine) {
+    static const double factors[] = {1 / 2.,   1 / 6.,   1 / 12.,  1 / 20.,  1 / 30.,  1 / 42.,
+                                     1 / 56.,  1 / 72.,  1 / 90.,  1 / 110., 1 / 132., 1 / 156.,
+                                     1 / 182., 1 / 210., 1 / 240., 1 / 272.};
     const double x = angle * angle;
     double s = 1, c = 1;
-    for (int k = 8; k > 0; k--) {
-        s = 1 - s * (x / (2 * k * (2 * k + 1)));
-        c = 1 - c * (x / (2 * k * (2 * k - 1)));
+    for (int k = 14; k >= 0; k -= 2) {
+        c = 1 - c * (x * factors[k]);
+        s = 1 - s * (x * factors[k + 1]);
     }
     *sine = angle * s;
     *cosine = c;
@@ -54,12 +57,20 @@ static void square_to_disk(double *a, double *b) {
     *b = radius * (is_steep ? cosine : sine);
 }
 
+static shb_light_source point_of(const shb_area_light *area, double a, double b) {
+    const shb_vec3 along = vec3_add(vec3_scale(area->u, a), vec3_scale(area->v, b));
+    return (shb_light_source){vec3_add(area->light.position, along), area->light.w};
+}
+
 shb_light_source shb_area_sample(const shb_area_light *area, shb_area_place place) {
     double a = 2 * place.s - 1, b = 2 * place.t - 1;
     if (area->disk)
         square_to_disk(&a, &b);
-    const shb_vec3 along = vec3_add(vec3_scale(area->u, a), vec3_scale(area->v, b));
-    return (shb_light_source){vec3_add(area->light.position, along), area->light.w};
+    return point_of(area, a, b);
+}
+
+shb_light_source shb_area_corner(const shb_area_light *area, int k) {
+    return point_of(area, k == 1 || k == 2 ? 1 : -1, k >= 2 ? 1 : -1);
 }
 
 shb_result shb_area_check(const shb_context *context, const char *caller,

@@ -19,6 +19,9 @@ shb_area_place shb_area_shift(shb_area_place place, shb_area_place by);
 /* The point of the light at a place; equal areas of the square are equal areas of the light. */
 shb_light_source shb_area_sample(const shb_area_light *area, shb_area_place place);
 
+/* Corner k, 0 .. 3 around it, of the parallelogram -1 .. 1, which holds the disk as well. */
+shb_light_source shb_area_corner(const shb_area_light *area, int k);
+
 /* Checks the light and the number of samples in the name of caller. */
 shb_result shb_area_check(const shb_context *context, const char *caller,
                           const shb_area_light *area, uint32_t samples);

@@ -142,7 +142,7 @@ void scene_build_tree(example_scene *scene, double unused) {
     add_poles(scene);
     scene_set_sun(scene, (shb_vec3){-0.45, 0.82, 0.35});
     scene_set_spot(scene, (shb_vec3){-5, 9, 4}, (shb_vec3){0.2, 0.6, 0}, 66 * degree, 3, 20);
-    scene->camera =
-        (scene_camera){(shb_vec3){1.5, 4.2, 9.2}, (shb_vec3){0.3, 1.0, 0.1}, 36 * degree, 0.5, 40};
+    scene->camera = (scene_camera){(shb_vec3){2.0, 4.0, 8.2}, (shb_vec3){0.8, 0.95, -0.2},
+                                   36 * degree, 0.5, 40};
     scene->ambient = 0.30f;
 }

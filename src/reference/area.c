@@ -10,7 +10,7 @@
 #include "shaft.h"
 
 /* Points of one task, and triangles that are tested one by one instead of through the hierarchy. */
-enum { POINTS = 16, BLOCKERS = 64 };
+enum { POINTS = 16, BLOCKERS = 128 };
 
 typedef struct query {
     const shb_reference *reference;
@@ -25,9 +25,10 @@ typedef struct receiver {
     shb_vec3 position, normal; /* no normal: zero */
     uint32_t own_id;
     const shb_triangle *own;
+    shb_shaft shaft;
     bool gathered; /* what can is known */
     uint32_t blocker_count;
-    const shb_triangle *blockers[BLOCKERS]; /* the first one is the latest that did */
+    shb_shaft_blocker blockers[BLOCKERS]; /* the first one is the latest that did */
 } receiver;
 
 /* The finalizer of MurmurHash3. */
@@ -52,8 +53,9 @@ static bool is_blocked(const shb_bvh *bvh, receiver *r, const shb_ray *ray) {
     if (!r->gathered)
         return shb_bvh_occluded(bvh, ray, r->own_id);
     for (uint32_t i = 0; i < r->blocker_count; i++) {
-        const shb_triangle *blocker = r->blockers[i];
-        if (!shb_ray_is_blocked(ray, blocker, r->own))
+        const shb_shaft_blocker blocker = r->blockers[i];
+        if (shb_shaft_blocker_is_missed(&blocker, ray->direction) ||
+            !shb_ray_is_blocked(ray, blocker.triangle, r->own))
             continue;
         r->blockers[i] = r->blockers[0];
         r->blockers[0] = blocker;
@@ -70,26 +72,57 @@ static bool is_lit(const shb_bvh *bvh, receiver *r, const shb_light_source *samp
     return !(vec3_dot(direction, r->normal) < 0) && !is_blocked(bvh, r, &ray);
 }
 
-static float ask_point(const query *q, size_t index) {
+/* True if one triangle stands before all of the light: the lines of all rays meet it, and those to
+ * the corners of the square meet it between point and light, so that all others do. */
+static bool is_covered(receiver *r, const shb_area_light *area) {
+    for (uint32_t i = 0; i < r->blocker_count; i++) {
+        if (!shb_shaft_is_covered(&r->shaft, &r->blockers[i]))
+            continue;
+        bool covers = true;
+        for (int corner = 0; corner < 4 && covers; corner++) {
+            const shb_light_source light = shb_area_corner(area, corner);
+            shb_ray ray;
+            covers = shb_ray_to_light(&light, r->position, &ray) &&
+                     shb_ray_is_blocked(&ray, r->blockers[i].triangle, r->own);
+        }
+        if (covers)
+            return true;
+    }
+    return false;
+}
+
+static uint32_t count_lit(const query *q, receiver *r) {
     const shb_bvh *bvh = &q->reference->bvh;
-    const shb_area_points *points = q->points;
-    receiver r = {.position = points->positions[index],
-                  .own_id = points->own_ids ? points->own_ids[index] : SHB_ID_NONE};
-    if (points->normals && vec3_is_finite(points->normals[index]))
-        r.normal = points->normals[index];
-    if (!vec3_is_finite(r.position))
-        return 1;
-    r.own = shb_bvh_find(bvh, r.own_id);
-    const shb_shaft shaft = shb_shaft_of(bvh, q->area, r.position);
-    r.gathered = shb_shaft_gather(bvh, &shaft, r.own_id, BLOCKERS, r.blockers, &r.blocker_count);
-    const shb_area_place shift = shift_of(r.position);
+    const bool has_normal = r->normal.x != 0 || r->normal.y != 0 || r->normal.z != 0;
+    if (r->gathered && r->blocker_count == 0 &&
+        (!has_normal || shb_shaft_is_before(&r->shaft, r->normal)))
+        return q->samples;
+    if (r->gathered && is_covered(r, q->area))
+        return 0;
+    const shb_area_place shift = shift_of(r->position);
     uint32_t lit = 0;
     for (uint32_t i = 0; i < q->samples; i++) {
         const shb_area_place place = shb_area_shift(shb_area_pattern(i, q->samples), shift);
         const shb_light_source sample = shb_area_sample(q->area, place);
-        lit += is_lit(bvh, &r, &sample);
+        lit += is_lit(bvh, r, &sample);
     }
-    return (float)((double)lit / q->samples);
+    return lit;
+}
+
+static float ask_point(const query *q, size_t index) {
+    const shb_bvh *bvh = &q->reference->bvh;
+    const shb_area_points *points = q->points;
+    receiver r;
+    r.position = points->positions[index];
+    r.normal = points->normals && vec3_is_finite(points->normals[index]) ? points->normals[index]
+                                                                         : (shb_vec3){0, 0, 0};
+    r.own_id = points->own_ids ? points->own_ids[index] : SHB_ID_NONE;
+    if (!vec3_is_finite(r.position))
+        return 1;
+    r.own = shb_bvh_find(bvh, r.own_id);
+    r.shaft = shb_shaft_of(bvh, q->area, r.position);
+    r.gathered = shb_shaft_gather(bvh, &r.shaft, r.own_id, BLOCKERS, r.blockers, &r.blocker_count);
+    return (float)((double)count_lit(q, &r) / q->samples);
 }
 
 static void ask_points(void *arg, size_t index) {

@@ -1,0 +1,283 @@
+/* Every filter under lights with an extent: soft OUTDIR draws the scene with each filter and three
+ * methods of bias, measures them against the truth of three disks of light, prints a table, and
+ * writes for one of the lights a picture and a map of errors of each, and a contact sheet of all.
+ */
+#include "soft.h"
+#include "arguments.h"
+#include "scenes.h"
+#include "sheet.h"
+#include "stopwatch.h"
+#include "tool.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { LIGHTS = 3, BIASES = 3, PICTURED = 1, RUNS = 2, sheet_columns = 6 };
+
+static const char *const bias_names[BIASES] = {"receiver-plane", "adaptive", "exact"};
+
+/* Diameters in world units. */
+static const double light_widths[LIGHTS] = {0.2, 0.4, 0.64};
+
+typedef struct soft_options {
+    const char *directory, *scene;
+    uint32_t samples, map_size, size[2];
+    bool help;
+} soft_options;
+
+typedef struct soft_state {
+    soft_options options;
+    example_scene *scene;
+    shb_context *context;
+    shb_map *map;
+    measure_frame frame;
+    soft_truth truths[LIGHTS];
+    shb_image picture;
+    contact_sheet sheet;
+    uint32_t placed; /* tiles of the sheet */
+    unsigned files;
+} soft_state;
+
+static const scene_light *soft_scene_light(const soft_state *soft) {
+    return &soft->scene->lights[SCENE_SPOT];
+}
+
+static bool succeeds(const char *what, shb_result result) {
+    return tool_succeeds("soft", what, result);
+}
+
+/* ---- what is measured ---- */
+
+static bool create_truths(soft_state *soft) {
+    const shb_view *view = &shb_map_get_info(soft->map)->view;
+    for (int i = 0; i < LIGHTS; i++) {
+        const shb_area_light area = soft_light(view, light_widths[i], true);
+        if (!succeeds("truth", soft_truth_create(&soft->frame, &area, soft->options.samples,
+                                                 &soft->truths[i])))
+            return false;
+    }
+    return true;
+}
+
+static bool open_soft(soft_state *soft) {
+    const soft_options *options = &soft->options;
+    const uint32_t width = options->size[0], height = options->size[1];
+    char error[256];
+    if (!scene_open(options->scene, &soft->scene, error, sizeof error)) {
+        fprintf(stderr, "soft: %s\n", error);
+        return false;
+    }
+    size_t count;
+    shb_filter_methods(&count);
+    shb_map_desc map = {.width = options->map_size, .occluders = SHB_OCCLUDERS_TRIANGLES};
+    map.view.reversed = true;
+    soft->context = tool_create_context("soft", 0, SHB_ISA_BEST);
+    soft->picture = (shb_image){malloc((size_t)width * height * 3), width, height, 0};
+    const bool room = soft->picture.pixels &&
+                      sheet_create(&soft->sheet, sheet_columns,
+                                   2 * (uint32_t)count * BIASES + sheet_columns, width, height);
+    return soft->context && succeeds("pictures", room ? SHB_OK : SHB_ERROR_MEMORY) &&
+           succeeds("light", scene_light_view(soft->scene, SCENE_SPOT, options->map_size, true,
+                                              &map.view)) &&
+           succeeds("map", shb_map_create(soft->context, &map, &soft->map)) &&
+           succeeds("map", shb_map_draw(soft->map, &soft->scene->scene, NULL, NULL)) &&
+           succeeds("camera", measure_frame_create(soft->context, soft->scene, width, height,
+                                                   &soft->frame)) &&
+           create_truths(soft);
+}
+
+static void close_soft(soft_state *soft) {
+    for (int i = 0; i < LIGHTS; i++)
+        soft_truth_destroy(&soft->truths[i]);
+    measure_frame_destroy(&soft->frame);
+    shb_map_destroy(soft->map);
+    shb_context_destroy(soft->context);
+    sheet_destroy(&soft->sheet);
+    free(soft->picture.pixels);
+    scene_close(soft->scene);
+}
+
+/* ---- pictures ---- */
+
+static bool write_image(soft_state *soft, const shb_image *image, const char *name) {
+    char path[1024];
+    if (snprintf(path, sizeof path, "%s/%s.ppm", soft->options.directory, name) >=
+        (int)sizeof path) {
+        fprintf(stderr, "soft: %s: the path is too long\n", soft->options.directory);
+        return false;
+    }
+    soft->files++;
+    return tool_write_image("soft", image, path);
+}
+
+static bool write_tile(soft_state *soft, const char *name, const char *caption) {
+    sheet_place(&soft->sheet, soft->placed++, &soft->picture, 1, caption);
+    return write_image(soft, &soft->picture, name);
+}
+
+static bool paint(soft_state *soft, const float *visibility) {
+    return succeeds("picture",
+                    soft_paint(&soft->frame, &shb_map_get_info(soft->map)->light,
+                               soft_scene_light(soft)->color, visibility, &soft->picture));
+}
+
+/* The first row of the sheet: the truth of each light. */
+static bool picture_truths(soft_state *soft) {
+    for (int i = 0; i < LIGHTS; i++) {
+        char name[64], caption[64];
+        snprintf(name, sizeof name, "soft-truth-%d", i);
+        snprintf(caption, sizeof caption, "truth, light of %.2f", light_widths[i]);
+        if (!paint(soft, soft->truths[i].visibility) || !write_tile(soft, name, caption))
+            return false;
+    }
+    soft->placed = sheet_columns;
+    return true;
+}
+
+static bool picture_method(soft_state *soft, const char *title, const shb_soft_errors *errors) {
+    const soft_truth *truth = &soft->truths[PICTURED];
+    char name[128], caption[64];
+    snprintf(name, sizeof name, "soft-%s", title);
+    if (!paint(soft, truth->seen) || !write_tile(soft, name, title))
+        return false;
+    soft_paint_errors(&soft->frame, truth, &soft->picture);
+    snprintf(name, sizeof name, "soft-%s-errors", title);
+    snprintf(caption, sizeof caption, "rms %.4f ssim %.4f", errors->rms, errors->similarity);
+    return write_tile(soft, name, caption);
+}
+
+/* ---- the table ---- */
+
+/* The filter for a light of this width: those that know of lights have a parameter for it. */
+static bool make_filter(const shb_filter_method *method, double width, shb_filter *filter) {
+    *filter = method->make();
+    for (int i = 0; i < SHB_PARAMS_MAX && method->param_names[i]; i++)
+        if (strncmp(method->param_names[i], "light", 5) == 0) {
+            filter->params[i] = (float)width;
+            return true;
+        }
+    return false;
+}
+
+/* Visibility of the frame; the least time of a few runs. */
+static bool ask_map(soft_state *soft, const shb_bias *bias, const shb_filter *filter,
+                    double *seconds) {
+    const measure_frame *frame = &soft->frame;
+    const shb_points points = {
+        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
+    *seconds = 0;
+    if (!succeeds(filter->name, shb_map_prepare(soft->map, filter)))
+        return false;
+    for (int run = 0; run < RUNS; run++) {
+        const double start = stopwatch_seconds();
+        if (!succeeds(filter->name,
+                      shb_map_visibility(soft->map, &points, bias, filter, frame->visibility)))
+            return false;
+        const double taken = stopwatch_seconds() - start;
+        *seconds = run == 0 || taken < *seconds ? taken : *seconds;
+    }
+    return true;
+}
+
+static bool show_pair(soft_state *soft, const shb_filter_method *method, const shb_bias *bias) {
+    char title[96];
+    snprintf(title, sizeof title, "%s-%s", method->name, bias->name);
+    printf("%-22s %-15s", method->name, bias->name);
+    double seconds = 0;
+    for (int i = 0; i < LIGHTS; i++) {
+        shb_filter filter;
+        shb_soft_errors errors;
+        const bool knows_lights = make_filter(method, light_widths[i], &filter);
+        if (((i == 0 || knows_lights) && !ask_map(soft, bias, &filter, &seconds)) ||
+            !succeeds(title, soft_truth_compare(&soft->frame, &soft->truths[i], &errors)))
+            return false;
+        printf("  %8.1f %6.4f %6.4f", 1e9 * seconds / (double)soft->frame.fragment_count,
+               errors.rms, errors.similarity);
+        if (i == PICTURED && !picture_method(soft, title, &errors))
+            return false;
+    }
+    printf("\n");
+    return true;
+}
+
+static bool show_method(soft_state *soft, const shb_filter_method *method) {
+    bool done = true;
+    for (int i = 0; i < BIASES && done; i++) {
+        shb_bias bias;
+        const shb_filter filter = method->make();
+        done = succeeds(bias_names[i], shb_bias_parse(bias_names[i], &bias));
+        if (done && (filter.exact || !(bias.needs & SHB_NEEDS_OCCLUDERS)))
+            done = show_pair(soft, method, &bias);
+    }
+    return done;
+}
+
+static bool run_soft(soft_state *soft) {
+    if (!open_soft(soft) || !picture_truths(soft))
+        return false;
+    printf("%s: %llu triangles, %zu fragments, map of %u x %u texels, truth of %u rays\n",
+           soft->options.scene, (unsigned long long)soft->scene->triangle_count,
+           soft->frame.fragment_count, soft->options.map_size, soft->options.map_size,
+           soft->options.samples);
+    printf("%-38s", "ns a fragment (one thread), rms, ssim;");
+    for (int i = 0; i < LIGHTS; i++)
+        printf("  light of %-13.2f", light_widths[i]);
+    printf("\n");
+    size_t count;
+    const shb_filter_method *methods = shb_filter_methods(&count);
+    for (size_t i = 0; i < count; i++)
+        if (!show_method(soft, &methods[i]))
+            return false;
+    return write_image(soft, &soft->sheet.image, "soft");
+}
+
+/* ---- the command line ---- */
+
+static bool read_options(int argc, char **argv, soft_options *options, int *exit_code) {
+    *options = (soft_options){.directory = "build/out",
+                              .scene = "tree",
+                              .samples = 256,
+                              .map_size = 1024,
+                              .size = {320, 240}};
+    const argument_spec arguments[] = {
+        {NULL, "OUTDIR", "where pictures go (build/out)", ARGUMENT_TEXT, &options->directory, 0, 0},
+        {"--scene", "NAME|FILE", "built-in scene or OBJ file (tree)", ARGUMENT_TEXT,
+         &options->scene, 0, 0},
+        {"--samples", "N", "rays of the truth, 1 to 4096 (256)", ARGUMENT_COUNT, &options->samples,
+         1, SHB_AREA_SAMPLES_MAX},
+        {"--map-size", "N", "texels on a side (1024)", ARGUMENT_COUNT, &options->map_size, 8,
+         SHB_SIZE_MAX},
+        {"--size", "WxH", "of the pictures (320x240)", ARGUMENT_SIZE, options->size, 8, 2048},
+        {"--help", NULL, "print this", ARGUMENT_FLAG, &options->help, 0, 0},
+    };
+    const size_t count = sizeof arguments / sizeof *arguments;
+    char error[256];
+    *exit_code = TOOL_USAGE;
+    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
+        fprintf(stderr, "soft: %s\n", error);
+        return false;
+    }
+    if (!options->help)
+        return true;
+    printf("usage: soft [OUTDIR] [OPTIONS]\n");
+    arguments_print(stdout, arguments, count);
+    *exit_code = TOOL_OK;
+    return false;
+}
+
+int main(int argc, char **argv) {
+    const double start = stopwatch_seconds();
+    soft_state soft = {0};
+    int exit_code;
+    if (!read_options(argc, argv, &soft.options, &exit_code))
+        return exit_code;
+    mkdir(soft.options.directory, 0777);
+    const bool done = run_soft(&soft);
+    if (done)
+        printf("%u pictures in %s, all in %s/soft.ppm, %.1f s\n", soft.files,
+               soft.options.directory, soft.options.directory, stopwatch_seconds() - start);
+    close_soft(&soft);
+    return done ? TOOL_OK : TOOL_FAILED;
+}
