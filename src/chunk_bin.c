@@ -10,7 +10,7 @@ typedef struct bin_job {
     const shb_kernels *kernels;
     const shb_chunks *chunks;
     const shb_target *target;
-    int tile_bits;
+    shb_tile_shape shape;
     uint32_t columns;
     size_t tiles;
     uint16_t *ends;
@@ -28,8 +28,8 @@ static void find_ranges(const bin_job *job, size_t block, block_ranges *ranges) 
     const size_t first = block * SHB_BLOCK_CHUNKS, left = job->chunks->count - first;
     ranges->chunk_count = left < SHB_BLOCK_CHUNKS ? left : SHB_BLOCK_CHUNKS;
     for (size_t i = 0; i < ranges->chunk_count; i++)
-        job->kernels->find_tiles(&job->chunks->chunks[first + i], &job->target->samples,
-                                 job->tile_bits, &ranges->chunks[i]);
+        job->kernels->find_tiles(&job->chunks->chunks[first + i], &job->target->samples, job->shape,
+                                 &ranges->chunks[i]);
 }
 
 /* The triangles of the block, and how often they touch a tile. */
@@ -92,10 +92,10 @@ static void bin_block(void *arg, size_t index) {
 }
 
 bool shb_chunks_bin(shb_context *context, const shb_target *target, const shb_chunks *chunks,
-                    int tile_bits, shb_chunk_bins *bins) {
+                    shb_tile_shape shape, shb_chunk_bins *bins) {
     const size_t blocks = (chunks->count + SHB_BLOCK_CHUNKS - 1) / SHB_BLOCK_CHUNKS;
-    bins->columns = ((uint32_t)target->samples.last_column >> tile_bits) + 1;
-    bins->rows = ((uint32_t)target->samples.last_row >> tile_bits) + 1;
+    bins->columns = ((uint32_t)target->samples.last_column >> shape.column_bits) + 1;
+    bins->rows = ((uint32_t)target->samples.last_row >> shape.row_bits) + 1;
     const size_t tiles = (size_t)bins->columns * bins->rows;
     shb_buffer *scratch = context->draw_scratch;
     if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_BINS], blocks,
@@ -107,7 +107,7 @@ bool shb_chunks_bin(shb_context *context, const shb_target *target, const shb_ch
     bin_job job = {.kernels = context->kernels,
                    .chunks = chunks,
                    .target = target,
-                   .tile_bits = tile_bits,
+                   .shape = shape,
                    .columns = bins->columns,
                    .tiles = tiles,
                    .ends = scratch[SHB_SCRATCH_BINS].data,

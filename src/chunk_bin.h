@@ -24,8 +24,8 @@ typedef struct shb_chunk_bins {
 
 #define SHB_BLOCK_CAPACITY (4 * SHB_BLOCK_CHUNKS * SHB_CHUNK)
 
-/* Bins all chunks into squares of 2^tile_bits samples; false: out of memory. */
+/* Bins all chunks into tiles of the shape; false: out of memory. */
 bool shb_chunks_bin(shb_context *context, const shb_target *target, const shb_chunks *chunks,
-                    int tile_bits, shb_chunk_bins *bins);
+                    shb_tile_shape shape, shb_chunk_bins *bins);
 
 #endif

@@ -7,25 +7,34 @@
 
 #include <stdatomic.h>
 
-/* Depths of a tile of this size, with ids, fit into a second-level cache. */
-#define TILE_BITS 8
+/* Tiles are as wide as the target, so that memory is written in long runs, and as many rows high as
+ * give this many samples (powers of two): less where each triangle fills much of a tile or tiles
+ * are copied to the target, so that they stay in a second-level cache. */
+#define TILE_BITS 18
+#define CACHED_TILE_BITS 16
+#define ROW_BITS_MIN 4
+
+/* Each thread has this many tiles to take at least. */
+#define TILES_PER_THREAD 4
 
 /* More tiles than this cost more than they save. */
 #define TILES_MAX 4096
 
 /* Up to this many texels in all layers one thread draws straight through: they stay in a cache. So
- * do threads for as large a target where there is a triangle for every few texels. */
+ * do threads for as large a target where there is a triangle for every few texels, and one thread
+ * for any target. */
 #define WHOLE_TEXELS (2048u * 2048u)
 #define WHOLE_TEXELS_PER_TRIANGLE 4
+#define WHOLE_TEXELS_PER_TRIANGLE_ALONE 12
 
 /* But not a few large triangles one over the other: they would go through the whole map each. */
 #define FEW_TRIANGLES 1024
 #define FEW_TRIANGLES_TEXELS (512u * 512u)
 
 typedef struct grid {
-    bool whole;    /* the target is not cut into tiles */
-    bool direct;   /* tiles are drawn in the images themselves */
-    int tile_bits; /* tiles are squares of 2^tile_bits samples */
+    bool whole;  /* the target is not cut into tiles */
+    bool direct; /* tiles are drawn in the images themselves */
+    shb_tile_shape shape;
 } grid;
 
 typedef struct tile_job {
@@ -53,30 +62,61 @@ static bool can_draw_directly(const shb_draw_desc *desc) {
            (!desc->ids || id_stride == stride);
 }
 
+/* The least power of two that is not below the value. */
+static int bits_of(uint32_t value) {
+    int bits = 0;
+    while (bits < 31 && 1u << bits < value)
+        bits++;
+    return bits;
+}
+
+static shb_tile_shape choose_shape(const shb_context *context, const shb_draw_desc *desc,
+                                   bool cached) {
+    const int column_bits = bits_of(desc->width < 16 ? 16 : desc->width);
+    int row_bits = (cached ? CACHED_TILE_BITS : TILE_BITS) - column_bits;
+    while (context->threads > 1 && desc->height >> row_bits < TILES_PER_THREAD * context->threads &&
+           row_bits > ROW_BITS_MIN)
+        row_bits--;
+    return (shb_tile_shape){column_bits, row_bits < ROW_BITS_MIN ? ROW_BITS_MIN : row_bits};
+}
+
+static shb_tile_shape square_shape(const shb_draw_desc *desc) {
+    int bits = bits_of(desc->tile_size);
+    while (((uint64_t)desc->width >> bits) * (desc->height >> bits) > TILES_MAX)
+        bits++;
+    return (shb_tile_shape){bits, bits};
+}
+
+/* True if going straight through the target beats cutting it into tiles. */
+static bool suits_whole(const shb_context *context, const shb_draw_desc *desc, uint64_t triangles) {
+    const uint32_t texels = desc->width * desc->height;
+    const uint32_t layers = 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
+    if (context->threads == 1)
+        return texels <= WHOLE_TEXELS / layers ||
+               triangles >= texels / WHOLE_TEXELS_PER_TRIANGLE_ALONE;
+    return texels <= WHOLE_TEXELS && triangles >= texels / WHOLE_TEXELS_PER_TRIANGLE;
+}
+
 static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
                         const shb_geometry *geometry) {
-    const uint32_t texels = desc->width * desc->height;
-    const bool few = geometry->triangle_count <= FEW_TRIANGLES && texels > FEW_TRIANGLES_TEXELS;
-    grid made = {.direct = can_draw_directly(desc), .tile_bits = TILE_BITS};
-    const bool many = geometry->triangle_count >= texels / WHOLE_TEXELS_PER_TRIANGLE;
-    const uint32_t layers = 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
-    const bool cached = context->threads == 1 && texels <= WHOLE_TEXELS / layers;
-    made.whole =
-        made.direct && !desc->tile_size && !few && texels <= WHOLE_TEXELS && (cached || many);
-    if (desc->tile_size)
-        for (made.tile_bits = 4; desc->tile_size >> made.tile_bits != 1; made.tile_bits++)
-            continue;
-    while (((uint64_t)desc->width >> made.tile_bits) * (desc->height >> made.tile_bits) > TILES_MAX)
-        made.tile_bits++;
-    return made;
+    const uint64_t triangles = geometry->triangle_count;
+    const bool few =
+        triangles <= FEW_TRIANGLES && desc->width * desc->height > FEW_TRIANGLES_TEXELS;
+    const bool direct = can_draw_directly(desc);
+    return (grid){.direct = direct,
+                  .whole =
+                      direct && !desc->tile_size && !few && suits_whole(context, desc, triangles),
+                  .shape = desc->tile_size ? square_shape(desc)
+                                           : choose_shape(context, desc, few || !direct)};
 }
 
 static shb_samples tile_samples(const tile_job *job, size_t tile) {
-    const int32_t left = (int32_t)(tile % job->bins.columns) << job->grid.tile_bits;
-    const int32_t top = (int32_t)(tile / job->bins.columns) << job->grid.tile_bits;
-    const int32_t last = (1 << job->grid.tile_bits) - 1;
-    return shb_samples_intersect((shb_samples){left, top, left + last, top + last},
-                                 job->target->samples);
+    const shb_tile_shape shape = job->grid.shape;
+    const int32_t left = (int32_t)(tile % job->bins.columns) << shape.column_bits;
+    const int32_t top = (int32_t)(tile / job->bins.columns) << shape.row_bits;
+    const int32_t right = left + (1 << shape.column_bits) - 1;
+    const int32_t bottom = top + (1 << shape.row_bits) - 1;
+    return shb_samples_intersect((shb_samples){left, top, right, bottom}, job->target->samples);
 }
 
 static void *texel_at(void *texels, size_t stride, const shb_samples *samples) {
@@ -187,13 +227,14 @@ static void run_lane(void *arg, size_t index) {
 }
 
 static bool draw_tiles(shb_context *context, tile_job *job) {
-    if (!shb_chunks_bin(context, job->target, job->chunks, job->grid.tile_bits, &job->bins))
+    if (!shb_chunks_bin(context, job->target, job->chunks, job->grid.shape, &job->bins))
         return false;
     const size_t rows = job->bins.rows;
     const size_t lanes = rows < context->threads ? rows : context->threads;
     if (!job->grid.direct) {
-        const size_t size = (size_t)1 << job->grid.tile_bits;
-        job->lanes = shb_layers_reserve(context, job->desc, lanes, size, size);
+        job->lanes =
+            shb_layers_reserve(context, job->desc, lanes, (size_t)1 << job->grid.shape.column_bits,
+                               (size_t)1 << job->grid.shape.row_bits);
         if (!job->lanes)
             return false;
     }

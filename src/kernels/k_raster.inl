@@ -159,7 +159,7 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     return kept;
 }
 
-static void find_tiles(const shb_chunk *chunk, const shb_samples *target, int tile_bits,
+static void find_tiles(const shb_chunk *chunk, const shb_samples *target, shb_tile_shape shape,
                        shb_chunk_ranges *ranges) {
     const int count = (int)chunk->count;
     const int32_t right = target->last_column, bottom = target->last_row;
@@ -176,9 +176,9 @@ static void find_tiles(const shb_chunk *chunk, const shb_samples *target, int ti
         const int t = ranges->triangle[i];
         const int32_t last_column = boxes.x[t] + boxes.width[t] - 1;
         const int32_t last_row = boxes.y[t] + boxes.height[t] - 1;
-        ranges->first_column[i] = (uint16_t)(MAX(boxes.x[t], 0) >> tile_bits);
-        ranges->first_row[i] = (uint16_t)(MAX(boxes.y[t], 0) >> tile_bits);
-        ranges->last_column[i] = (uint16_t)(MIN(last_column, right) >> tile_bits);
-        ranges->last_row[i] = (uint16_t)(MIN(last_row, bottom) >> tile_bits);
+        ranges->first_column[i] = (uint16_t)(MAX(boxes.x[t], 0) >> shape.column_bits);
+        ranges->first_row[i] = (uint16_t)(MAX(boxes.y[t], 0) >> shape.row_bits);
+        ranges->last_column[i] = (uint16_t)(MIN(last_column, right) >> shape.column_bits);
+        ranges->last_row[i] = (uint16_t)(MIN(last_row, bottom) >> shape.row_bits);
     }
 }

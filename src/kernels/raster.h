@@ -57,6 +57,11 @@ typedef struct shb_tile {
     int32_t x0, y0, right, x1, y1;
 } shb_tile;
 
+/* Tiles are 2^column_bits samples wide and 2^row_bits high. */
+typedef struct shb_tile_shape {
+    int column_bits, row_bits;
+} shb_tile_shape;
+
 /* The triangles of a chunk that are to be drawn, and the tiles that their boxes touch, both ends
  * included. */
 typedef struct shb_chunk_ranges {
@@ -70,8 +75,7 @@ typedef struct shb_chunk_ranges {
 typedef struct shb_kernels {
     /* True if a vertex is not usable. */
     bool (*transform)(const shb_transform_job *job);
-    /* Tiles are squares of 2^tile_bits samples. */
-    void (*find_tiles)(const shb_chunk *chunk, const shb_samples *target, int tile_bits,
+    void (*find_tiles)(const shb_chunk *chunk, const shb_samples *target, shb_tile_shape shape,
                        shb_chunk_ranges *ranges);
     /* Returns how many triangles have their box in the tile. */
     uint32_t (*draw)(const shb_chunk *chunk, const shb_tile *tile);
