@@ -2,8 +2,26 @@
 #include "shadowbias/filter.h"
 #include "method_text.h"
 
+static shb_filter variance(void) {
+    return shb_filter_variance(5, 0.2f);
+}
+
+static shb_filter exponential_variance(void) {
+    return shb_filter_exponential_variance(5, 80, 10, 0);
+}
+
+static shb_filter moments(void) {
+    return shb_filter_moments(5);
+}
+
 static const shb_filter_method methods[] = {
     {"hard", "one tap", shb_filter_hard, {NULL}},
+    {"variance", "bound by mean and variance of distance", variance, {"size", "bleeding"}},
+    {"exponential-variance",
+     "the same for exponentials of distance",
+     exponential_variance,
+     {"size", "positive", "negative", "bleeding"}},
+    {"moments", "bound by four moments of distance", moments, {"size"}},
 };
 
 enum { METHOD_COUNT = sizeof methods / sizeof *methods };

@@ -72,6 +72,42 @@ typedef enum shb_taps {
  * depth is nearer than min(ref, far depth); equal is lit. */
 shb_filter shb_filter_hard(void);
 
+/* Filters over the moments of distance. They are prepared (SHB_NEEDS_PREPARED) and serve methods
+ * that ask no occluders. What they share:
+ * - Distance grows evenly from 0 at the near plane to 1 at the far plane, or for a central
+ *   projection at twice the largest distance from the light in the map if that is nearer.
+ * - shb_map_prepare keeps the moments of a box of size x size texels around each texel, size being
+ *   odd and 1 .. 63; between texels they are those of the mixed distributions. Outside the map the
+ *   distance is 1.
+ * - The receiver is the receiver plane at the fragment's own place. The answer is an upper bound of
+ *   the part of the box that does not lie in front of it: exactly 1 where nothing does, but more
+ *   than that part where several occluders lie one above the other (light bleeding).
+ * - The distance error e of a depth follows from format, rounding and projection; its square is the
+ *   least variance.
+ * shb_map_prepare fails with SHB_ERROR_ARGUMENT for a parameter that is out of range. */
+#define SHB_BLEEDING_MAX 0.99f
+
+/* "variance": Chebyshev's inequality for mean and variance (Donnelly and Lauritzen 2006, eq. 5),
+ * v / (v + d^2) at the distance d behind the mean and 1 before it. Bounds below bleeding, 0 ..
+ * SHB_BLEEDING_MAX, become 0 and the rest spans 0 .. 1 (Lauritzen 2007, section 8.4.3). 8 bytes a
+ * texel. Default of tools: size 5, bleeding 0.2. */
+shb_filter shb_filter_variance(int size, float bleeding);
+
+/* "exponential-variance": the smaller of the bounds for exp(positive x) and -exp(-negative x), x
+ * being distance (Lauritzen and McCool 2008). Both exponents SHB_EXPONENT_MIN .. SHB_EXPONENT_MAX.
+ * The receiver is taken nearer by one standard deviation of its own plane over the box. 16 bytes a
+ * texel. Default: size 5, positive 80, negative 10, bleeding 0. */
+#define SHB_EXPONENT_MIN 0.01f
+#define SHB_EXPONENT_MAX 80.0f
+shb_filter shb_filter_exponential_variance(int size, float positive, float negative,
+                                           float bleeding);
+
+/* "moments": the sharpest bound that four moments allow (Peters and Klein 2015, Hamburger's
+ * problem), exact for one or two distances in the box. The moment bias is independent noise of
+ * deviation e. The receiver is taken nearer by e and one standard deviation of its own plane over
+ * the box. 16 bytes a texel. Default: size 5. */
+shb_filter shb_filter_moments(int size);
+
 /* One built-in filter for tools: its default value and the names of its parameters. */
 typedef struct shb_filter_method {
     const char *name;

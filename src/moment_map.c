@@ -1,0 +1,86 @@
+#include "strict.h"
+
+#include "moment_map.h"
+
+#include <math.h>
+
+#include "project.h"
+
+shb_result shb_filter_check_param(const shb_map *map, const shb_filter *filter, const char *param,
+                                  float value, float lo, float hi) {
+    if (value >= lo && value <= hi)
+        return SHB_OK;
+    return shb_fail(map->context, SHB_ERROR_ARGUMENT,
+                    "shb_map_prepare: %s %g of the filter \"%s\" is not in %g .. %g", param,
+                    (double)value, filter->name, (double)lo, (double)hi);
+}
+
+shb_result shb_filter_check_size(const shb_map *map, const shb_filter *filter, float size) {
+    const shb_result result =
+        shb_filter_check_param(map, filter, "size", size, 1, SHB_MOMENT_SIZE_MAX);
+    if (result != SHB_OK || size == (float)((int)size | 1))
+        return result;
+    return shb_fail(map->context, SHB_ERROR_ARGUMENT,
+                    "shb_map_prepare: size %g of the filter \"%s\" is not odd", (double)size,
+                    filter->name);
+}
+
+shb_result shb_moment_map_prepare(const shb_map *map, const char *name, const shb_moment_map *plan,
+                                  void **prepared, size_t *bytes) {
+    shb_moment_map *made = shb_alloc(map->context, 1, sizeof *made);
+    bool complete = made != NULL;
+    size_t made_bytes = sizeof *made;
+    if (made) {
+        *made = *plan;
+        made->distance = shb_distance_of(map);
+    }
+    for (int i = 0; i < plan->image_count && complete; i++) {
+        shb_moment_image *image = &made->images[i];
+        complete = shb_moment_image_create(map, &made->distance, plan->size, image);
+        made_bytes += shb_moment_image_bytes(image);
+    }
+    if (!complete) {
+        shb_moment_map_release(map, made);
+        return shb_fail(map->context, SHB_ERROR_MEMORY,
+                        "shb_map_prepare: no memory for the filter \"%s\" over %u by %u texels",
+                        name, (unsigned)map->info.width, (unsigned)map->info.height);
+    }
+    *prepared = made;
+    *bytes = made_bytes;
+    return SHB_OK;
+}
+
+void shb_moment_map_release(const shb_map *map, void *prepared) {
+    shb_moment_map *moments = prepared;
+    for (int i = 0; moments && i < moments->image_count; i++)
+        shb_moment_image_destroy(map, &moments->images[i]);
+    shb_free(map->context, moments);
+}
+
+/* A plane over a box of n x n texels has the variance (n^2 - 1) / 12 of its square step on each
+ * axis; mixing between two texels adds a quarter at most. */
+void shb_moment_receivers(const shb_moment_map *moments, const shb_receivers *receivers,
+                          float spread, size_t count, shb_distance_batch *distances) {
+    const shb_receivers *restrict r = receivers;
+    const shb_distance distance = moments->distance;
+    const float side = (float)moments->size;
+    const float factor = spread * spread * (side * side + 2) / 12;
+    const size_t lanes = shb_round_to_lanes(count);
+    for (size_t i = 0; i < lanes; i++) {
+        const float step_x = r->step_x[i], step_y = r->step_y[i];
+        const float run = step_x * r->to_center_x[i] + step_y * r->to_center_y[i];
+        const float deviation = sqrtf((step_x * step_x + step_y * step_y) * factor);
+        const float depth = (r->ref[i] - run) - deviation;
+        distances->at[i] = shb_distance_at(&distance, depth);
+        distances->error[i] = shb_distance_error(&distance, depth);
+    }
+}
+
+void shb_light_outside(const shb_filter_args *args) {
+    const shb_receivers *r = args->receivers;
+    const uint32_t width = args->info->width, height = args->info->height;
+    for (size_t i = 0; i < args->count; i++) {
+        const bool inside = ((uint32_t)r->texel_x[i] < width) & ((uint32_t)r->texel_y[i] < height);
+        args->visibility[i] = inside ? args->visibility[i] : 1;
+    }
+}
