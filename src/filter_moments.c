@@ -66,8 +66,6 @@ static void moments(const shb_filter_args *args) {
     for (size_t i = 0; i < args->count; i++)
         args->visibility[i] = lit_part(receiver.at[i], receiver.error[i], box.at[0][i],
                                        box.at[1][i], box.at[2][i], box.at[3][i]);
-    for (size_t i = 0; i < args->count; i++)
-        args->visibility[i] = receiver.at[i] > 0 ? args->visibility[i] : 1;
     shb_light_outside(args);
 }
 

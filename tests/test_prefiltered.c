@@ -156,6 +156,19 @@ TEST(nothing_in_front_is_exactly_lit) {
     }
 }
 
+static void write_nan(const shb_bias_args *args) {
+    for (size_t i = 0; i < args->count; i++)
+        args->receivers->ref[i] = args->receivers->step_x[i] = args->receivers->step_y[i] = NAN;
+}
+
+static double ask_without_plane(const depth_map *host, const shb_filter *filter) {
+    const shb_bias undefined = {.name = "undefined", .depth = write_nan};
+    const shb_points points = {.count = 1, .positions = (float[]){0, 0, 0}};
+    float visibility = -7;
+    CHECK_INT(shb_map_visibility(host->map, &points, &undefined, filter, &visibility), SHB_OK);
+    return (double)visibility;
+}
+
 TEST(fragments_and_texels_that_are_no_number_are_lit) {
     float depths[SIZE * SIZE];
     for (int i = 0; i < 3; i++) {
@@ -166,6 +179,7 @@ TEST(fragments_and_texels_that_are_no_number_are_lit) {
         CHECK(depth_map_ask(&host, &filter, 0, 0, 0) < 0.01);
         CHECK(depth_map_ask(&host, &filter, 0, 0, NAN) == 1);
         CHECK(depth_map_ask(&host, &filter, NAN, 0, 0) == 1);
+        CHECK(ask_without_plane(&host, &filter) == 1);
         CHECK(depth_map_ask(&host, &filter, 0, HUGE_VAL, 0) == 1);
         float *texels = host.texels;
         for (int k = 0; k < SIZE * SIZE; k++)

@@ -151,6 +151,9 @@ TEST(tilted_planes_in_the_light_have_no_false_shadow) {
             const shb_view parallel = probe_orthographic(i & 1), spot = probe_perspective(i & 1);
             CHECK(darkest_on_plane(&parallel, slopes[i], &filter) == 1);
             CHECK(darkest_on_plane(&spot, 0.4 * slopes[i], &filter) == 1);
+            shb_filter wide = filter;
+            wide.params[0] = 31;
+            CHECK(darkest_on_plane(&parallel, slopes[i], &wide) == 1);
         }
 }
 
