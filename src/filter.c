@@ -2,6 +2,14 @@
 #include "shadowbias/filter.h"
 #include "method_text.h"
 
+static shb_filter make_pcf(void) {
+    return shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+}
+
+static shb_filter make_pcf_smooth(void) {
+    return shb_filter_pcf_smooth(2, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+}
+
 static shb_filter variance(void) {
     return shb_filter_variance(5, 0.2f);
 }
@@ -16,6 +24,8 @@ static shb_filter moments(void) {
 
 static const shb_filter_method methods[] = {
     {"hard", "one tap", shb_filter_hard, {NULL}},
+    {"pcf", "share of lit texels in a box", make_pcf, {"size", "unit", "taps"}},
+    {"pcf-smooth", "the same with soft edges", make_pcf_smooth, {"size", "unit", "taps"}},
     {"variance", "bound by mean and variance of distance", variance, {"size", "bleeding"}},
     {"exponential-variance",
      "the same for exponentials of distance",
@@ -32,6 +42,22 @@ const shb_filter_method *shb_filter_methods(size_t *count) {
     return methods;
 }
 
+static bool is_one_of_three(float value) {
+    return value == 0 || value == 1 || value == 2;
+}
+
+/* What a filter needs follows from its parameters. False for an unknown unit or taps. */
+static bool rebuild(shb_filter *filter, shb_filter (*make)(void)) {
+    const float *p = filter->params;
+    if (make != make_pcf && make != make_pcf_smooth)
+        return true;
+    if (!is_one_of_three(p[1]) || !is_one_of_three(p[2]))
+        return false;
+    *filter = (make == make_pcf ? shb_filter_pcf : shb_filter_pcf_smooth)(p[0], (shb_unit)p[1],
+                                                                          (shb_taps)p[2]);
+    return true;
+}
+
 shb_result shb_filter_parse(const char *text, shb_filter *filter) {
     if (!text || !filter)
         return SHB_ERROR_ARGUMENT;
@@ -40,6 +66,8 @@ shb_result shb_filter_parse(const char *text, shb_filter *filter) {
             continue;
         shb_filter read = methods[i].make();
         if (!shb_text_read_params(text, methods[i].param_names, read.params))
+            return SHB_ERROR_ARGUMENT;
+        if (!rebuild(&read, methods[i].make))
             return SHB_ERROR_ARGUMENT;
         *filter = read;
         return SHB_OK;

@@ -98,6 +98,7 @@ static shb_result make_map(shb_context *context, const char *caller, const shb_m
                         "%s: the depth of desc.view does not grow away from the light with "
                         "desc.view.reversed %d, or the view is degenerate",
                         caller, desc->view.reversed);
+    made.rows = shb_light_rows_of(&made.projection);
     *map = shb_alloc(context, 1, sizeof **map);
     if (!*map)
         return shb_fail(context, SHB_ERROR_MEMORY, "%s: no memory for the map", caller);

@@ -11,19 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-/* The rows in texels and canonical depth. */
-static shb_light_rows light_rows(const shb_map *map) {
-    const shb_projection *p = &map->projection;
-    shb_light_rows rows;
-    for (int i = 0; i < 4; i++) {
-        rows.x[i] = p->width / 2 * (p->row_w[i] + p->row_x[i]);
-        rows.y[i] = p->height / 2 * (p->row_w[i] - p->row_y[i]);
-        rows.z[i] = p->sign * p->row_z[i];
-        rows.w[i] = p->row_w[i];
-    }
-    return rows;
-}
-
 /* Depth changes by this much from texel to texel at the near plane, on a plane at 45 degrees to the
  * light's axis. */
 static double diagonal_slope(const shb_map *map) {
@@ -53,7 +40,6 @@ static double choose_slope_unit(const shb_map *map) {
 
 bool shb_occluders_create(shb_map *map) {
     shb_occluder_data *data = &map->occluders;
-    map->rows = light_rows(map);
     if (map->info.occluders == SHB_OCCLUDERS_NONE || map->info.occluders == SHB_OCCLUDERS_LISTS)
         return true;
     data->slope_unit = choose_slope_unit(map);

@@ -81,3 +81,14 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
     *projection = p;
     return SHB_OK;
 }
+
+shb_light_rows shb_light_rows_of(const shb_projection *p) {
+    shb_light_rows rows;
+    for (int i = 0; i < 4; i++) {
+        rows.x[i] = p->width / 2 * (p->row_w[i] + p->row_x[i]);
+        rows.y[i] = p->height / 2 * (p->row_w[i] - p->row_y[i]);
+        rows.z[i] = p->sign * p->row_z[i];
+        rows.w[i] = p->row_w[i];
+    }
+    return rows;
+}

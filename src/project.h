@@ -16,4 +16,7 @@ static inline size_t shb_round_to_lanes(size_t count) {
  * light as view.reversed says. */
 shb_result shb_projection_init(const shb_map_info *info, shb_projection *projection);
 
+/* The same in texels and canonical depth. */
+shb_light_rows shb_light_rows_of(const shb_projection *projection);
+
 #endif

@@ -72,6 +72,17 @@ typedef enum shb_taps {
  * depth is nearer than min(ref, far depth); equal is lit. */
 shb_filter shb_filter_hard(void);
 
+/* "pcf": the share of lit taps among the n x n texels nearest to the fragment: 1 tap is lit or not
+ * as by the hard filter (Reeves, Salesin and Cook 1987). size: n, 1 .. 63, rounded and limited; in
+ * world units (SHB_UNIT_WORLD; any other unit is texels) the width of the box, which each fragment
+ * measures in its own texels. Default of tools: 5 texels, SHB_TAPS_PLANE. */
+shb_filter shb_filter_pcf(float size, shb_unit unit, shb_taps taps);
+
+/* "pcf-smooth": the same n x n texels, n 2 .. 63, each by what a box of n - 1 texels centred on the
+ * fragment covers of it, so that visibility changes without steps. 2 is bilinear. Default: 2
+ * texels, SHB_TAPS_PLANE. */
+shb_filter shb_filter_pcf_smooth(float size, shb_unit unit, shb_taps taps);
+
 /* Filters over the moments of distance. They are prepared (SHB_NEEDS_PREPARED) and serve methods
  * that ask no occluders. What they share:
  * - Distance grows evenly from 0 at the near plane to 1 at the far plane, or for a central

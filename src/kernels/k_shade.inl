@@ -1,5 +1,6 @@
 /* The loops of shading for one instruction set. The including file has chosen the target, included
- * its doubles and defined SHADE_KERNELS, the name of the table. */
+ * its doubles and the wide types, and defined NARROW, WIDE and SHADE_KERNELS, the name of the
+ * table. */
 
 #include <float.h>
 #include <stddef.h>
@@ -15,6 +16,8 @@
 
 #include "k_bias.inl"
 
+#include "k_filter.inl"
+
 #include "k_fragments.inl"
 
 const shb_shade_kernels SHADE_KERNELS = {
@@ -23,6 +26,8 @@ const shb_shade_kernels SHADE_KERNELS = {
     .normals = turn_normals,
     .fetch = fetch,
     .hard = hard,
+    .pcf = pcf,
+    .pcf_smooth = pcf_smooth,
     .own_depth = own_depth,
     .constant = constant_depth,
     .slope = slope_depth,

@@ -18,10 +18,10 @@
  *   wm_or(a, b)
  *   wf_plane(base, step, column, lo, hi)    base + step * (column + lane) in double, lo where it is
  *                                           below, hi where it is above, rounded to float
+ *   wf_min, wf_max(a, b)                    a < b ? a : b, a > b ? a : b: b if one is NaN
+ *   wi_count_less(count, a, b)              count + 1 where a < b
+ *   wi_sum(v)                               of all lanes
  *   wide_equal_bytes(bytes, value)          bit i: byte i of 64 equals value */
-
-#define SHB_JOIN_(a, b) a##b
-#define SHB_JOIN(a, b) SHB_JOIN_(a, b)
 
 /* Which layers are drawn beside depth. */
 enum { LAYER_IDS = 1, LAYER_SECOND = 2 };

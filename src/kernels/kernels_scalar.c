@@ -6,6 +6,9 @@
 #endif
 
 #include "doubles_scalar.h"
+#include "wide_scalar.h"
+#define NARROW 1
+#define WIDE 1
 #define SHADE_KERNELS shb_shade_kernels_scalar
 #include "k_shade.inl"
 #define LIST_KERNELS shb_list_kernels_scalar

@@ -33,6 +33,9 @@ typedef struct shb_shade_kernels {
     void (*hard)(const shb_map *map, size_t count, const shb_receivers *receivers,
                  float *visibility);
 
+    /* Filters of boxes of texels. */
+    shb_filter_fn *pcf, *pcf_smooth;
+
     /* The stages of the built-in methods. */
     void (*own_depth)(size_t count, shb_receivers *receivers);
     shb_bias_fn *constant, *slope, *angle, *receiver_plane, *adaptive, *adaptive_soft;

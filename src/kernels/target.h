@@ -21,6 +21,10 @@
 
 #include "raster.h"
 
+/* Names of the wide types end in their number of lanes. */
+#define SHB_JOIN_(a, b) a##b
+#define SHB_JOIN(a, b) SHB_JOIN_(a, b)
+
 #define SHB_PRAGMA(text) _Pragma(#text)
 #if defined(__clang__)
 #define SHB_TARGET_BEGIN(features)                                                                 \

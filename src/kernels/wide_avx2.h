@@ -21,6 +21,12 @@ static inline wf8 wf_add8(wf8 a, wf8 b) {
 static inline wf8 wf_mul8(wf8 a, wf8 b) {
     return _mm256_mul_ps(a, b);
 }
+static inline wf8 wf_min8(wf8 a, wf8 b) {
+    return _mm256_min_ps(a, b);
+}
+static inline wf8 wf_max8(wf8 a, wf8 b) {
+    return _mm256_max_ps(a, b);
+}
 static inline wi8 wi_splat8(int32_t v) {
     return _mm256_set1_epi32(v);
 }
@@ -67,6 +73,15 @@ static inline wi8 wi_select8(wm8 m, wi8 a, wi8 b) {
 }
 static inline wf8 wf_select8(wm8 m, wf8 a, wf8 b) {
     return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(m));
+}
+static inline wi8 wi_count_less8(wi8 count, wf8 a, wf8 b) {
+    return _mm256_sub_epi32(count, _mm256_castps_si256(_mm256_cmp_ps(a, b, _CMP_LT_OQ)));
+}
+static inline int32_t wi_sum8(wi8 v) {
+    const __m128i half = _mm_add_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    const __m128i pair = _mm_add_epi32(half, _mm_shuffle_epi32(half, _MM_SHUFFLE(1, 0, 3, 2)));
+    const __m128i one = _mm_add_epi32(pair, _mm_shuffle_epi32(pair, _MM_SHUFFLE(2, 3, 0, 1)));
+    return _mm_cvtsi128_si32(one);
 }
 static inline wf8 wf_plane8(double base, double step, double column, double lo, double hi) {
     const __m256d s = _mm256_set1_pd(step), b = _mm256_set1_pd(base), c = _mm256_set1_pd(column);

@@ -21,6 +21,12 @@ static inline wf16 wf_add16(wf16 a, wf16 b) {
 static inline wf16 wf_mul16(wf16 a, wf16 b) {
     return _mm512_mul_ps(a, b);
 }
+static inline wf16 wf_min16(wf16 a, wf16 b) {
+    return _mm512_min_ps(a, b);
+}
+static inline wf16 wf_max16(wf16 a, wf16 b) {
+    return _mm512_max_ps(a, b);
+}
 static inline wi16 wi_splat16(int32_t v) {
     return _mm512_set1_epi32(v);
 }
@@ -67,6 +73,13 @@ static inline wi16 wi_select16(wm16 m, wi16 a, wi16 b) {
 }
 static inline wf16 wf_select16(wm16 m, wf16 a, wf16 b) {
     return _mm512_mask_blend_ps(m, b, a);
+}
+static inline wi16 wi_count_less16(wi16 count, wf16 a, wf16 b) {
+    const __mmask16 less = _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
+    return _mm512_mask_add_epi32(count, less, count, _mm512_set1_epi32(1));
+}
+static inline int32_t wi_sum16(wi16 v) {
+    return wi_sum8(_mm256_add_epi32(_mm512_castsi512_si256(v), _mm512_extracti32x8_epi32(v, 1)));
 }
 static inline wf16 wf_plane16(double base, double step, double column, double lo, double hi) {
     const __m512d s = _mm512_set1_pd(step), b = _mm512_set1_pd(base), c = _mm512_set1_pd(column);

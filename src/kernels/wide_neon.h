@@ -21,6 +21,12 @@ static inline wf4 wf_add4(wf4 a, wf4 b) {
 static inline wf4 wf_mul4(wf4 a, wf4 b) {
     return vmulq_f32(a, b);
 }
+static inline wf4 wf_min4(wf4 a, wf4 b) {
+    return vbslq_f32(vcltq_f32(a, b), a, b);
+}
+static inline wf4 wf_max4(wf4 a, wf4 b) {
+    return vbslq_f32(vcgtq_f32(a, b), a, b);
+}
 static inline wi4 wi_splat4(int32_t v) {
     return vdupq_n_s32(v);
 }
@@ -66,6 +72,13 @@ static inline wf4 wf_select4(wm4 m, wf4 a, wf4 b) {
 }
 static inline wf4 wf_min_inside4(wi4 edges, wf4 z, wf4 q) {
     return wf_select4(wm_less4(wm_inside4(edges), z, q), z, q);
+}
+
+static inline wi4 wi_count_less4(wi4 count, wf4 a, wf4 b) {
+    return vsubq_s32(count, vreinterpretq_s32_u32(vcltq_f32(a, b)));
+}
+static inline int32_t wi_sum4(wi4 v) {
+    return vaddvq_s32(v);
 }
 
 /* a > b ? a : b, and a < b ? a : b: the instructions for these treat signed zeros differently. */

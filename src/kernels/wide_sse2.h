@@ -21,6 +21,12 @@ static inline wf4 wf_add4(wf4 a, wf4 b) {
 static inline wf4 wf_mul4(wf4 a, wf4 b) {
     return _mm_mul_ps(a, b);
 }
+static inline wf4 wf_min4(wf4 a, wf4 b) {
+    return _mm_min_ps(a, b);
+}
+static inline wf4 wf_max4(wf4 a, wf4 b) {
+    return _mm_max_ps(a, b);
+}
 static inline wi4 wi_splat4(int32_t v) {
     return _mm_set1_epi32(v);
 }
@@ -71,6 +77,14 @@ static inline wi4 wi_select4(wm4 m, wi4 a, wi4 b) {
 static inline wf4 wf_select4(wm4 m, wf4 a, wf4 b) {
     const __m128 mask = _mm_castsi128_ps(m);
     return _mm_or_ps(_mm_and_ps(mask, a), _mm_andnot_ps(mask, b));
+}
+static inline wi4 wi_count_less4(wi4 count, wf4 a, wf4 b) {
+    return _mm_sub_epi32(count, _mm_castps_si128(_mm_cmplt_ps(a, b)));
+}
+static inline int32_t wi_sum4(wi4 v) {
+    const __m128i pair = _mm_add_epi32(v, _mm_shuffle_epi32(v, _MM_SHUFFLE(1, 0, 3, 2)));
+    const __m128i one = _mm_add_epi32(pair, _mm_shuffle_epi32(pair, _MM_SHUFFLE(2, 3, 0, 1)));
+    return _mm_cvtsi128_si32(one);
 }
 static inline wf4 wf_plane4(double base, double step, double column, double lo, double hi) {
     const __m128d s = _mm_set1_pd(step), b = _mm_set1_pd(base), c = _mm_set1_pd(column);

@@ -1,0 +1,33 @@
+/* Percentage-closer filtering over boxes of texels: Reeves, Salesin and Cook, Rendering antialiased
+ * shadows with depth maps, 1987; taps as in Ehm et al., Adaptive depth bias for soft shadows, 2015.
+ */
+#include "strict.h"
+
+#include "kernels/shade.h"
+
+static uint32_t needs_of(shb_unit unit, shb_taps taps) {
+    return (unit == SHB_UNIT_WORLD ? SHB_NEEDS_SCALE : 0u) |
+           (taps == SHB_TAPS_NAIVE ? SHB_NEEDS_NORMAL : 0u);
+}
+
+static void pcf(const shb_filter_args *args) {
+    args->map->context->shade_kernels->pcf(args);
+}
+
+shb_filter shb_filter_pcf(float size, shb_unit unit, shb_taps taps) {
+    return (shb_filter){.name = "pcf",
+                        .filter = pcf,
+                        .needs = needs_of(unit, taps),
+                        .params = {size, (float)unit, (float)taps}};
+}
+
+static void pcf_smooth(const shb_filter_args *args) {
+    args->map->context->shade_kernels->pcf_smooth(args);
+}
+
+shb_filter shb_filter_pcf_smooth(float size, shb_unit unit, shb_taps taps) {
+    return (shb_filter){.name = "pcf-smooth",
+                        .filter = pcf_smooth,
+                        .needs = needs_of(unit, taps),
+                        .params = {size, (float)unit, (float)taps}};
+}
