@@ -2,91 +2,72 @@
 
 #define W(name) SHB_JOIN(name, LANES)
 
-/* The taps of a reversed map are compared as it stores them, everything negated. */
+/* What a box's taps are made of. The taps of a reversed map are compared as it stores depth,
+ * everything negated. */
+typedef struct W(box_taps) {
+    W(wf) ref, step_x, step_y, far_depth;
+} W(box_taps);
+
+static inline ALWAYS_INLINE W(box_taps)
+    W(box_taps_of)(const box_batch *batch, size_t i, tap_kind kind, bool reversed) {
+    const float sign = reversed ? -1.0f : 1.0f;
+    return (W(box_taps)){
+        .ref = W(wf_splat)(sign * batch->receivers->ref[i]),
+        .step_x = W(wf_splat)(kind == TAPS_FLAT ? 0.0f : sign * batch->step_x[i]),
+        .step_y = W(wf_splat)(sign * batch->step_y[i]),
+        .far_depth = W(wf_splat)(shb_far_depth(reversed)),
+    };
+}
+
 static inline ALWAYS_INLINE W(wf) W(limit_tap)(W(wf) far_depth, W(wf) tap, bool reversed) {
     return reversed ? W(wf_max)(far_depth, tap) : W(wf_min)(far_depth, tap);
 }
 
+/* Shadowed taps in rows first .. end - 1 of LANES columns from start on, column by column. The
+ * order of operations is that of shb_tap_depth. */
 static inline ALWAYS_INLINE W(wi)
-    W(count_taps)(W(wi) count, const float *stored, W(wf) tap, bool reversed) {
-    const W(wf) texels = W(wf_load)(stored);
-    return reversed ? W(wi_count_less)(count, tap, texels) : W(wi_count_less)(count, texels, tap);
-}
-
-/* Columns of a box from the fragment's own one on, from column start of the box; NaN beyond it. */
-static inline ALWAYS_INLINE W(wf) W(box_columns)(const box *b, int n, int start) {
-    const W(wf) from_end = W(wf_load)(columns_from_end + BOX_PITCH - n + start);
-    return W(wf_add)(from_end, W(wf_splat)((float)(n + b->column)));
-}
-
-/* The plane of fragment i over LANES columns of its box, in its own row. */
-static inline ALWAYS_INLINE W(wf)
-    W(box_plane)(const box_batch *batch, size_t i, W(wf) columns, tap_kind kind, bool reversed) {
-    const float sign = reversed ? -1.0f : 1.0f;
-    const float step_x = kind == TAPS_FLAT ? 0.0f : sign * batch->receivers->step_x[i];
-    return W(wf_add)(W(wf_splat)(sign * batch->receivers->ref[i]),
-                     W(wf_mul)(columns, W(wf_splat)(step_x)));
-}
-
-/* Shadowed taps in rows first .. end - 1 of LANES columns from start on, column by column. */
-static inline ALWAYS_INLINE W(wi)
-    W(count_rows)(const box_batch *batch, size_t i, const box *b, int n, int start, int first,
-                  int end, tap_kind kind, bool reversed) {
-    const float sign = reversed ? -1.0f : 1.0f;
-    const W(wf) far_depth = W(wf_splat)(batch->far_stored);
-    const W(wf) plane = W(box_plane)(batch, i, W(box_columns)(b, n, start), kind, reversed);
-    const W(wf) flat = W(limit_tap)(far_depth, plane, reversed);
-    const W(wf) step_y = W(wf_splat)(sign * batch->receivers->step_y[i]);
+    W(count_rows)(const box *b, const W(box_taps) * taps, int n, int start, int first, int end,
+                  tap_kind kind, bool reversed) {
+    const W(wf) columns = W(wf_add)(W(wf_load)(columns_from_end + BOX_PITCH - n + start),
+                                    W(wf_splat)((float)(n + b->column)));
+    const W(wf) plane = W(wf_add)(taps->ref, W(wf_mul)(columns, taps->step_x));
+    const W(wf) flat = W(limit_tap)(taps->far_depth, plane, reversed);
     W(wi) count = W(wi_splat)(0);
     for (int row = first; row < end; row++) {
         const char *texels = b->texels + (size_t)row * b->stride;
         W(wf) tap = flat;
         if (kind == TAPS_PLANE) {
-            const W(wf) down = W(wf_mul)(W(wf_splat)((float)(b->row + row)), step_y);
-            tap = W(limit_tap)(far_depth, W(wf_add)(plane, down), reversed);
+            const W(wf) down = W(wf_mul)(W(wf_splat)((float)(b->row + row)), taps->step_y);
+            tap = W(limit_tap)(taps->far_depth, W(wf_add)(plane, down), reversed);
         } else if (kind == TAPS_GIVEN) {
-            tap = W(wf_load)(batch->given + row * BOX_PITCH + start);
-            tap = W(limit_tap)(far_depth, tap, reversed);
+            tap = W(wf_load)(b->given + row * BOX_PITCH + start);
+            tap = W(limit_tap)(taps->far_depth, tap, reversed);
         }
-        count = W(count_taps)(count, (const float *)(const void *)texels + start, tap, reversed);
+        const W(wf) stored = W(wf_load)((const float *)(const void *)texels + start);
+        count =
+            reversed ? W(wi_count_less)(count, tap, stored) : W(wi_count_less)(count, stored, tap);
     }
     return count;
 }
 
-static inline ALWAYS_INLINE void W(count_boxes)(box_batch *batch, size_t first, size_t end, int n,
-                                                tap_kind kind, bool reversed) {
-    for (size_t i = first; i < end; i++) {
-        box b;
-        batch->shadowed[i] = 0;
-        if (!find_box(batch, i, n, (n + LANES - 1) / LANES * LANES, &b))
-            continue;
-        if (kind == TAPS_GIVEN)
-            give_taps(batch, i, &b, n);
-        W(wi) count = W(count_rows)(batch, i, &b, n, 0, 0, n, kind, reversed);
-        for (int start = LANES; start < n; start += LANES)
-            count = W(wi_add)(count, W(count_rows)(batch, i, &b, n, start, 0, n, kind, reversed));
-        batch->shadowed[i] = W(wi_sum)(count);
-    }
-}
-
-/* Shadowed taps of fragments whose boxes have n columns and rows. */
-static inline ALWAYS_INLINE void W(count_run)(box_batch *batch, size_t first, size_t end, int n,
-                                              tap_kind kind) {
-    if (batch->reversed)
-        W(count_boxes)(batch, first, end, n, kind, true);
-    else
-        W(count_boxes)(batch, first, end, n, kind, false);
+static inline ALWAYS_INLINE int32_t W(count_box)(const box_batch *batch, size_t i, const box *b,
+                                                 int n, tap_kind kind, bool reversed) {
+    const W(box_taps) taps = W(box_taps_of)(batch, i, kind, reversed);
+    W(wi) count = W(count_rows)(b, &taps, n, 0, 0, n, kind, reversed);
+    for (int start = LANES; start < n; start += LANES)
+        count = W(wi_add)(count, W(count_rows)(b, &taps, n, start, 0, n, kind, reversed));
+    return W(wi_sum)(count);
 }
 
 /* Lit taps in rows first .. end - 1, those of the outer columns by their weights. */
-static inline ALWAYS_INLINE double W(weigh_rows)(const box_batch *batch, size_t i, const box *b,
-                                                 int n, int first, int end, double right_weight,
+static inline ALWAYS_INLINE double W(weigh_rows)(const box *b, const W(box_taps) * taps, int n,
+                                                 int first, int end, double right_weight,
                                                  tap_kind kind, bool reversed) {
     SHB_ALIGN int32_t columns[BOX_PITCH];
     int32_t shadowed = 0;
     int start = 0;
     do {
-        const W(wi) count = W(count_rows)(batch, i, b, n, start, first, end, kind, reversed);
+        const W(wi) count = W(count_rows)(b, taps, n, start, first, end, kind, reversed);
         W(wi_store)(columns + start, count);
         shadowed += W(wi_sum)(count);
     } while ((start += LANES) < n);
@@ -96,31 +77,35 @@ static inline ALWAYS_INLINE double W(weigh_rows)(const box_batch *batch, size_t 
     return ((1 - right_weight) * left + right_weight * right) + inner;
 }
 
-static inline ALWAYS_INLINE void W(weigh_boxes)(box_batch *batch, size_t first, size_t end, int n,
-                                                tap_kind kind, bool reversed) {
-    for (size_t i = first; i < end; i++) {
-        box b;
-        batch->lit[i] = (n - 1) * (n - 1);
-        if (!find_box(batch, i, n, (n + LANES - 1) / LANES * LANES, &b))
-            continue;
-        if (kind == TAPS_GIVEN)
-            give_taps(batch, i, &b, n);
-        const double right = last_weight(batch->receivers->to_center_x[i], n);
-        const double bottom = last_weight(batch->receivers->to_center_y[i], n);
-        const double top_row = W(weigh_rows)(batch, i, &b, n, 0, 1, right, kind, reversed);
-        const double rows = W(weigh_rows)(batch, i, &b, n, 1, n - 1, right, kind, reversed);
-        const double last_row = W(weigh_rows)(batch, i, &b, n, n - 1, n, right, kind, reversed);
-        batch->lit[i] = ((1 - bottom) * top_row + bottom * last_row) + rows;
-    }
+static inline ALWAYS_INLINE double W(weigh_box)(const box_batch *batch, size_t i, const box *b,
+                                                int n, tap_kind kind, bool reversed) {
+    const W(box_taps) taps = W(box_taps_of)(batch, i, kind, reversed);
+    const double right = last_weight(batch->receivers->to_center_x[i], n);
+    const double bottom = last_weight(batch->receivers->to_center_y[i], n);
+    const double above = W(weigh_rows)(b, &taps, n, 0, 1, right, kind, reversed);
+    const double inner = W(weigh_rows)(b, &taps, n, 1, n - 1, right, kind, reversed);
+    const double below = W(weigh_rows)(b, &taps, n, n - 1, n, right, kind, reversed);
+    return ((1 - bottom) * above + bottom * below) + inner;
 }
 
-/* Lit taps by their weights, of a sum of (n - 1)^2. */
-static inline ALWAYS_INLINE void W(weigh_run)(box_batch *batch, size_t first, size_t end, int n,
-                                              tap_kind kind) {
-    if (batch->reversed)
-        W(weigh_boxes)(batch, first, end, n, kind, true);
-    else
-        W(weigh_boxes)(batch, first, end, n, kind, false);
+/* Boxes that lie in the map, whose texels are floats; the others are left alone. */
+static inline ALWAYS_INLINE void W(count_in_place)(const box_run *run, int n, tap_kind kind,
+                                                   bool reversed, float *restrict visibility) {
+    const box_batch *batch = run->batch;
+    const size_t end = run->end;
+    const double share = 1 / (double)(n * n);
+    int32_t shadowed[SHB_BATCH];
+    for (size_t i = run->first; i < end; i++) {
+        shadowed[i] = 0;
+        if (!batch->inside[i])
+            continue;
+        box b = box_in_place(batch, i);
+        if (n % 2)
+            b.column = b.row = -(n / 2); /* a constant where n is one */
+        shadowed[i] = W(count_box)(batch, i, &b, n, kind, reversed);
+    }
+    for (size_t i = run->first; i < end; i++)
+        visibility[i] = (float)(share * (n * n - shadowed[i]));
 }
 
 #undef W

@@ -20,27 +20,35 @@ static const float columns_from_end[2 * BOX_PITCH] = {
 /* Where the depths of taps come from: one for all, the receiver plane, or an array. */
 typedef enum tap_kind { TAPS_FLAT, TAPS_PLANE, TAPS_GIVEN } tap_kind;
 
+static const float no_steps[SHB_BATCH];
+
 /* A batch whose fragments ask boxes of texels. */
 typedef struct box_batch {
     const shb_map *map;
     const shb_receivers *receivers;
     int32_t width, height;
-    float far_stored; /* as the map stores it */
     bool reversed;
-    bool direct; /* texels are floats: boxes inside the map are read where they are */
     tap_kind kind;
-    float window[BOX_MAX * BOX_PITCH]; /* a copy of a box that cannot be read in place */
-    float given[BOX_MAX * BOX_PITCH];  /* TAPS_GIVEN: depths of its taps, as the map stores depth */
-    int32_t size[SHB_BATCH];           /* of the boxes */
-    int32_t shadowed[SHB_BATCH];       /* taps */
-    double lit[SHB_BATCH];             /* taps by weight */
+    const float *step_x, *step_y;
+    SHB_ALIGN int32_t size[SHB_BATCH];       /* texels in a row of the box */
+    int32_t left[SHB_BATCH], top[SHB_BATCH]; /* its first texel */
+    int32_t inside[SHB_BATCH];               /* it can be read where it is */
+    float window[BOX_MAX * BOX_PITCH];       /* a copy of a box that cannot be read in place */
+    float given[BOX_MAX * BOX_PITCH]; /* TAPS_GIVEN: depths of its taps, as the map stores depth */
 } box_batch;
+
+/* Fragments of a batch whose boxes have one size. */
+typedef struct box_run {
+    box_batch *batch;
+    size_t first, end;
+} box_run;
 
 /* Where the texels of a box are, as floats, and which they are from the fragment's own one on. */
 typedef struct box {
     const char *texels;
     size_t stride;
-    int column, row; /* of the first */
+    int column, row;    /* of the first */
+    const float *given; /* TAPS_GIVEN */
 } box;
 
 /* The row from texel first on as floats, as they are stored. Products in double round to the same
@@ -67,55 +75,9 @@ static void decode_texels(const shb_map *map, int32_t row, int32_t first, int32_
     }
 }
 
-/* Copies the box at (left, top) with far depths where it leaves the map. */
-static void fill_window(box_batch *batch, int32_t left, int32_t top, int n, int padded) {
-    const int32_t first = left < 0 ? -left : 0;
-    const int32_t inside = batch->width - left < n ? batch->width - left : n;
-    for (int32_t row = 0; row < n; row++) {
-        float *depths = batch->window + row * BOX_PITCH;
-        for (int32_t column = 0; column < padded; column++)
-            depths[column] = batch->far_stored;
-        if (top + row >= 0 && top + row < batch->height)
-            decode_texels(batch->map, top + row, left + first, inside - first, depths + first);
-    }
-}
-
-/* Of n texels in a row, those whose centres are nearest to the fragment: which is the first, from
- * the fragment's own one on. */
-static inline ALWAYS_INLINE int box_start(float to_center, int n) {
-    return (n % 2 == 0 && to_center < 0) - n / 2;
-}
-
-/* The n x n texels of fragment i, rows of padded elements; false: none is in the map. */
-static inline ALWAYS_INLINE bool find_box(box_batch *batch, size_t i, int n, int padded, box *b) {
-    const shb_receivers *r = batch->receivers;
-    b->column = box_start(r->to_center_x[i], n);
-    b->row = box_start(r->to_center_y[i], n);
-    const int32_t left = r->texel_x[i] + b->column, top = r->texel_y[i] + b->row;
-    const bool inside =
-        (left >= 0) & (top >= 0) & (left <= batch->width - padded) & (top <= batch->height - n);
-    if (inside & batch->direct) {
-        b->stride = batch->map->depth.stride;
-        b->texels = (const char *)batch->map->depth.texels + (size_t)top * b->stride +
-                    (size_t)left * sizeof(float);
-        return true;
-    }
-    if (left <= -n || top <= -n || left >= batch->width || top >= batch->height)
-        return false;
-    fill_window(batch, left, top, n, padded);
-    b->stride = BOX_PITCH * sizeof(float);
-    b->texels = (const char *)batch->window;
-    return true;
-}
-
-/* How much of the last column a box of n - 1 texels around the fragment covers. */
-static inline ALWAYS_INLINE double last_weight(float to_center, int n) {
-    const double weight = (n % 2 ? 0.5 : 1.0) - (double)to_center;
-    return n % 2 == 0 && to_center < 0 ? -(double)to_center : weight;
-}
-
 /* The depth of every tap anew. */
-static void give_taps(box_batch *batch, size_t i, const box *b, int n) {
+static NEVER_INLINE void give_taps(box_batch *batch, size_t i, const box *b) {
+    const int n = batch->size[i];
     const shb_light_rows *rows = &batch->map->rows;
     const shb_tap_surface surface = shb_tap_surface_of(rows, batch->receivers, i);
     const float sign = batch->reversed ? -1.0f : 1.0f;
@@ -126,6 +88,45 @@ static void give_taps(box_batch *batch, size_t i, const box *b, int n) {
         for (int column = n; column < BOX_PITCH; column++)
             given[column] = NAN;
     }
+}
+
+/* Copies the box of fragment i, with far depths where it leaves the map; false: it lies outside. */
+static NEVER_INLINE bool copy_box(box_batch *batch, size_t i, box *b) {
+    const int32_t n = batch->size[i], left = batch->left[i], top = batch->top[i];
+    if (left <= -n || top <= -n || left >= batch->width || top >= batch->height)
+        return false;
+    const int32_t first = left < 0 ? -left : 0;
+    const int32_t end = batch->width - left < n ? batch->width - left : n;
+    for (int32_t row = 0; row < n; row++) {
+        float *depths = batch->window + row * BOX_PITCH;
+        for (int32_t column = 0; column < BOX_PITCH; column++)
+            depths[column] = shb_far_depth(batch->reversed);
+        if (top + row >= 0 && top + row < batch->height)
+            decode_texels(batch->map, top + row, left + first, end - first, depths + first);
+    }
+    *b = (box){.texels = (const char *)batch->window,
+               .stride = BOX_PITCH * sizeof(float),
+               .column = left - batch->receivers->texel_x[i],
+               .row = top - batch->receivers->texel_y[i],
+               .given = batch->given};
+    if (batch->kind == TAPS_GIVEN)
+        give_taps(batch, i, b);
+    return true;
+}
+
+static inline ALWAYS_INLINE box box_in_place(const box_batch *batch, size_t i) {
+    const size_t stride = batch->map->depth.stride;
+    return (box){.texels = (const char *)batch->map->depth.texels + (size_t)batch->top[i] * stride +
+                           (size_t)batch->left[i] * sizeof(float),
+                 .stride = stride,
+                 .column = batch->left[i] - batch->receivers->texel_x[i],
+                 .row = batch->top[i] - batch->receivers->texel_y[i]};
+}
+
+/* How much of the last column a box of n - 1 texels around the fragment covers. */
+static inline ALWAYS_INLINE double last_weight(float to_center, int n) {
+    const double weight = (n % 2 ? 0.5 : 1.0) - (double)to_center;
+    return n % 2 == 0 && to_center < 0 ? -(double)to_center : weight;
 }
 
 #define LANES NARROW
@@ -140,87 +141,155 @@ static void give_taps(box_batch *batch, size_t i, const box *b, int n) {
 #define NARROWLY(name) SHB_JOIN(name, NARROW)
 #define WIDELY(name) SHB_JOIN(name, WIDE)
 
-/* The sizes that most hosts use get code of their own; a run has boxes of one size. */
-static inline ALWAYS_INLINE void count_kind(box_batch *batch, size_t first, size_t end,
-                                            tap_kind kind) {
-    switch (batch->size[first]) {
-    case 3:
-        NARROWLY(count_run)(batch, first, end, 3, kind);
-        break;
-    case 5:
-        NARROWLY(count_run)(batch, first, end, 5, kind);
-        break;
-    case 7:
-        NARROWLY(count_run)(batch, first, end, 7, kind);
-        break;
-    case 9:
-        WIDELY(count_run)(batch, first, end, 9, kind);
-        break;
-    case 11:
-        WIDELY(count_run)(batch, first, end, 11, kind);
-        break;
-    default:
-        WIDELY(count_run)(batch, first, end, batch->size[first], kind);
+typedef void count_fn(const box_run *run, float *visibility);
+
+/* A function for boxes of n x n texels, by the kind of taps and the direction of depth. */
+#define IN_PLACE(name, width, n, kind, reversed)                                                   \
+    static NEVER_INLINE void name(const box_run *run, float *visibility) {                         \
+        width(count_in_place)(run, n, kind, reversed, visibility);                                 \
+    }
+#define IN_PLACE_KINDS(width, n)                                                                   \
+    IN_PLACE(count_flat_##n, width, n, TAPS_FLAT, false)                                           \
+    IN_PLACE(count_flat_reversed_##n, width, n, TAPS_FLAT, true)                                   \
+    IN_PLACE(count_plane_##n, width, n, TAPS_PLANE, false)                                         \
+    IN_PLACE(count_plane_reversed_##n, width, n, TAPS_PLANE, true)
+#define IN_PLACE_ROW(n)                                                                            \
+    {                                                                                              \
+        {count_flat_##n, count_flat_reversed_##n}, {                                               \
+            count_plane_##n, count_plane_reversed_##n                                              \
+        }                                                                                          \
+    }
+
+/* The sizes that most hosts use, and any other. */
+IN_PLACE_KINDS(NARROWLY, 3)
+IN_PLACE_KINDS(NARROWLY, 5)
+IN_PLACE_KINDS(NARROWLY, 7)
+IN_PLACE_KINDS(WIDELY, 9)
+IN_PLACE_KINDS(WIDELY, 11)
+#define ANY_SIZE run->batch->size[run->first]
+IN_PLACE(count_flat_any, WIDELY, ANY_SIZE, TAPS_FLAT, false)
+IN_PLACE(count_flat_reversed_any, WIDELY, ANY_SIZE, TAPS_FLAT, true)
+IN_PLACE(count_plane_any, WIDELY, ANY_SIZE, TAPS_PLANE, false)
+IN_PLACE(count_plane_reversed_any, WIDELY, ANY_SIZE, TAPS_PLANE, true)
+
+static void count_run(const box_run *run, float *visibility) {
+    static count_fn *const odd_sizes[5][2][2] = {IN_PLACE_ROW(3), IN_PLACE_ROW(5), IN_PLACE_ROW(7),
+                                                 IN_PLACE_ROW(9), IN_PLACE_ROW(11)};
+    static count_fn *const any_size[2][2] = IN_PLACE_ROW(any);
+    const box_batch *batch = run->batch;
+    const int n = batch->size[run->first];
+    const bool common = n % 2 && n >= 3 && n <= 11;
+    count_fn *const(*count)[2] = common ? odd_sizes[(n - 3) / 2] : any_size;
+    count[batch->kind == TAPS_PLANE][batch->reversed](run, visibility);
+}
+
+/* By the naive way, in map formats that are not float, and where the map ends. */
+static NEVER_INLINE float count_copy(box_batch *batch, size_t i) {
+    box b;
+    if (!copy_box(batch, i, &b))
+        return 1;
+    const int n = batch->size[i];
+    int32_t shadowed;
+    if (batch->kind != TAPS_GIVEN)
+        shadowed = batch->reversed ? WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, true)
+                                   : WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, false);
+    else
+        shadowed = batch->reversed ? WIDELY(count_box)(batch, i, &b, n, TAPS_GIVEN, true)
+                                   : WIDELY(count_box)(batch, i, &b, n, TAPS_GIVEN, false);
+    return (float)((n * n - shadowed) * (1 / (double)(n * n)));
+}
+
+static float weigh_one(const box_batch *batch, size_t i, const box *b) {
+    const int n = batch->size[i];
+    double lit;
+    if (n == 2 && batch->kind != TAPS_GIVEN)
+        lit = batch->reversed ? NARROWLY(weigh_box)(batch, i, b, 2, TAPS_PLANE, true)
+                              : NARROWLY(weigh_box)(batch, i, b, 2, TAPS_PLANE, false);
+    else if (batch->kind != TAPS_GIVEN)
+        lit = batch->reversed ? WIDELY(weigh_box)(batch, i, b, n, TAPS_PLANE, true)
+                              : WIDELY(weigh_box)(batch, i, b, n, TAPS_PLANE, false);
+    else
+        lit = batch->reversed ? WIDELY(weigh_box)(batch, i, b, n, TAPS_GIVEN, true)
+                              : WIDELY(weigh_box)(batch, i, b, n, TAPS_GIVEN, false);
+    return (float)(lit * (1 / ((n - 1.0) * (n - 1.0))));
+}
+
+static bool steps_are_zero(const shb_receivers *restrict r, size_t count) {
+    int32_t steps = 0;
+    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
+        steps |= -(r->step_x[i] != 0) | -(r->step_y[i] != 0);
+    return steps == 0;
+}
+
+/* Of n texels in a row, those whose centres are nearest to the fragment: which is the first, from
+ * the fragment's own one on. */
+static inline ALWAYS_INLINE int32_t box_start(float to_center, int32_t n) {
+    return (~n & (to_center < 0)) - (n >> 1);
+}
+
+/* Columns and rows where boxes begin. */
+static void place_boxes(const int32_t *restrict size, const int32_t *restrict texel,
+                        const float *restrict to_center, size_t count, int32_t *restrict first) {
+    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
+        first[i] = texel[i] + box_start(to_center[i], size[i]);
+}
+
+/* Which of the boxes can be read where they are, with whole vectors. */
+static void find_inside(const shb_map_info *info, const int32_t *restrict size,
+                        const int32_t *restrict left, const int32_t *restrict top, size_t count,
+                        int32_t *restrict inside) {
+    const int32_t width = (int32_t)info->width, height = (int32_t)info->height;
+    for (size_t i = 0; i < shb_round_to_lanes(count); i++) {
+        const int32_t right = left[i] + ((size[i] + 15) & ~15), bottom = top[i] + size[i];
+        inside[i] = (left[i] >= 0) & (top[i] >= 0) & (right <= width) & (bottom <= height);
     }
 }
 
-static void count_run(box_batch *batch, size_t first, size_t end) {
-    if (batch->kind == TAPS_GIVEN)
-        WIDELY(count_run)(batch, first, end, batch->size[first], TAPS_GIVEN);
-    else if (batch->kind == TAPS_FLAT)
-        count_kind(batch, first, end, TAPS_FLAT);
-    else
-        count_kind(batch, first, end, TAPS_PLANE);
-}
-
-static void weigh_run(box_batch *batch, size_t first, size_t end) {
-    const int n = batch->size[first];
-    if (batch->kind == TAPS_GIVEN)
-        WIDELY(weigh_run)(batch, first, end, n, TAPS_GIVEN);
-    else if (n == 2)
-        NARROWLY(weigh_run)(batch, first, end, 2, TAPS_PLANE);
-    else
-        WIDELY(weigh_run)(batch, first, end, n, TAPS_PLANE);
-}
-
-static bool steps_are_zero(const shb_receivers *r, size_t count) {
-    bool zero = true;
-    for (size_t i = 0; i < count; i++)
-        zero &= (r->step_x[i] == 0) & (r->step_y[i] == 0);
-    return zero;
-}
-
-static int32_t box_size(float size, float least) {
+static inline ALWAYS_INLINE int32_t box_size(float size, float least) {
     const float some = size > least ? size : least;
     return (int32_t)((some < BOX_MAX ? some : BOX_MAX) + 0.5f);
 }
 
-/* Reads the parameters size, unit and taps. */
-static void box_batch_init(const shb_filter_args *args, float least, box_batch *batch) {
-    const shb_map *map = args->map;
-    const float size = args->filter->params[0], taps = args->filter->params[2];
-    batch->map = map;
-    batch->receivers = args->receivers;
-    batch->width = (int32_t)map->info.width;
-    batch->height = (int32_t)map->info.height;
-    batch->reversed = map->info.view.reversed;
-    batch->far_stored = shb_far_depth(batch->reversed);
-    batch->direct = map->info.format == SHB_FORMAT_FLOAT32;
-    batch->kind = taps == SHB_TAPS_NAIVE ? TAPS_GIVEN
-                  : taps == SHB_TAPS_OWN || steps_are_zero(args->receivers, args->count)
-                      ? TAPS_FLAT
-                      : TAPS_PLANE;
-    const bool world = args->filter->params[1] == SHB_UNIT_WORLD;
-    for (size_t i = 0; i < args->count; i++)
-        batch->size[i] = box_size(world ? size / args->receivers->texel_size[i] : size, least);
+/* texel_size: NULL for sizes in texels. */
+static void box_sizes(const float *restrict texel_size, float size, float least, size_t count,
+                      int32_t *restrict sizes) {
+    const int32_t all = box_size(size, least);
+    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
+        sizes[i] = texel_size ? box_size(size / texel_size[i], least) : all;
 }
 
-/* Where the run of boxes of one size that begins at first ends. */
-static size_t run_end(const box_batch *batch, size_t first, size_t count) {
-    size_t end = first + 1;
-    while (end < count && batch->size[end] == batch->size[first])
-        end++;
-    return end;
+/* Reads the parameters size, unit and taps. */
+static void box_batch_init(const shb_filter_args *args, float least, box_batch *batch) {
+    const shb_receivers *r = args->receivers;
+    const float size = args->filter->params[0], taps = args->filter->params[2];
+    const bool own = taps == SHB_TAPS_OWN;
+    batch->map = args->map;
+    batch->receivers = r;
+    batch->width = (int32_t)args->map->info.width;
+    batch->height = (int32_t)args->map->info.height;
+    batch->reversed = args->map->info.view.reversed;
+    batch->kind = taps == SHB_TAPS_NAIVE                  ? TAPS_GIVEN
+                  : own || steps_are_zero(r, args->count) ? TAPS_FLAT
+                                                          : TAPS_PLANE;
+    batch->step_x = own ? no_steps : r->step_x;
+    batch->step_y = own ? no_steps : r->step_y;
+    const bool world = args->filter->params[1] == SHB_UNIT_WORLD;
+    box_sizes(world ? r->texel_size : NULL, size, least, args->count, batch->size);
+    place_boxes(batch->size, r->texel_x, r->to_center_x, args->count, batch->left);
+    place_boxes(batch->size, r->texel_y, r->to_center_y, args->count, batch->top);
+    if (args->map->info.format == SHB_FORMAT_FLOAT32 && batch->kind != TAPS_GIVEN)
+        find_inside(&args->map->info, batch->size, batch->left, batch->top, args->count,
+                    batch->inside);
+    else
+        memset(batch->inside, 0, sizeof batch->inside);
+}
+
+/* The fragments from first on whose boxes have the same size. */
+static box_run next_run(box_batch *batch, size_t first, size_t count) {
+    box_run run = {batch, first, first + 1};
+    while (run.end < count && batch->size[run.end] == batch->size[first])
+        run.end++;
+    return run;
 }
 
 static void fill_lanes(size_t count, float *visibility) {
@@ -231,26 +300,28 @@ static void fill_lanes(size_t count, float *visibility) {
 static void pcf(const shb_filter_args *args) {
     box_batch batch;
     box_batch_init(args, 1, &batch);
-    for (size_t first = 0, end; first < args->count; first = end) {
-        end = run_end(&batch, first, args->count);
-        count_run(&batch, first, end);
-        const int32_t taps = batch.size[first] * batch.size[first];
-        const double share = 1 / (double)taps;
-        for (size_t i = first; i < end; i++)
-            args->visibility[i] = (float)(share * (taps - batch.shadowed[i]));
+    box_run run;
+    for (size_t first = 0; first < args->count; first = run.end) {
+        run = next_run(&batch, first, args->count);
+        count_run(&run, args->visibility);
     }
+    for (size_t i = 0; i < args->count; i++)
+        if (!batch.inside[i])
+            args->visibility[i] = count_copy(&batch, i);
     fill_lanes(args->count, args->visibility);
 }
 
 static void pcf_smooth(const shb_filter_args *args) {
     box_batch batch;
     box_batch_init(args, 2, &batch);
-    for (size_t first = 0, end; first < args->count; first = end) {
-        end = run_end(&batch, first, args->count);
-        weigh_run(&batch, first, end);
-        const double share = 1 / ((batch.size[first] - 1.0) * (batch.size[first] - 1.0));
-        for (size_t i = first; i < end; i++)
-            args->visibility[i] = (float)(share * batch.lit[i]);
+    for (size_t i = 0; i < args->count; i++) {
+        box b;
+        bool inside = batch.inside[i];
+        if (inside)
+            b = box_in_place(&batch, i);
+        else
+            inside = copy_box(&batch, i, &b);
+        args->visibility[i] = inside ? weigh_one(&batch, i, &b) : 1.0f;
     }
     fill_lanes(args->count, args->visibility);
 }

@@ -9,6 +9,7 @@
 #include "shade.h"
 
 #define ALWAYS_INLINE __attribute__((always_inline))
+#define NEVER_INLINE __attribute__((noinline))
 
 #include "k_project.inl"
 
