@@ -26,8 +26,8 @@ static inline ALWAYS_INLINE W(wf) W(limit_tap)(W(wf) far_depth, W(wf) tap, bool 
 /* Shadowed taps in rows first .. end - 1 of LANES columns from start on, column by column. The
  * order of operations is that of shb_tap_depth. */
 static inline ALWAYS_INLINE W(wi)
-    W(count_rows)(const box *b, const W(box_taps) * taps, int n, int start, int first, int end,
-                  tap_kind kind, bool reversed) {
+    W(count_rows)(const texel_box *b, const W(box_taps) * taps, int n, int start, int first,
+                  int end, tap_kind kind, bool reversed) {
     const W(wf) columns = W(wf_add)(W(wf_load)(columns_from_end + BOX_PITCH - n + start),
                                     W(wf_splat)((float)(n + b->column)));
     const W(wf) plane = W(wf_add)(taps->ref, W(wf_mul)(columns, taps->step_x));
@@ -50,8 +50,9 @@ static inline ALWAYS_INLINE W(wi)
     return count;
 }
 
-static inline ALWAYS_INLINE int32_t W(count_box)(const box_batch *batch, size_t i, const box *b,
-                                                 int n, tap_kind kind, bool reversed) {
+static inline ALWAYS_INLINE int32_t W(count_box)(const box_batch *batch, size_t i,
+                                                 const texel_box *b, int n, tap_kind kind,
+                                                 bool reversed) {
     const W(box_taps) taps = W(box_taps_of)(batch, i, kind, reversed);
     W(wi) count = W(count_rows)(b, &taps, n, 0, 0, n, kind, reversed);
     for (int start = LANES; start < n; start += LANES)
@@ -60,8 +61,8 @@ static inline ALWAYS_INLINE int32_t W(count_box)(const box_batch *batch, size_t 
 }
 
 /* Lit taps in rows first .. end - 1, those of the outer columns by their weights. */
-static inline ALWAYS_INLINE double W(weigh_rows)(const box *b, const W(box_taps) * taps, int n,
-                                                 int first, int end, double right_weight,
+static inline ALWAYS_INLINE double W(weigh_rows)(const texel_box *b, const W(box_taps) * taps,
+                                                 int n, int first, int end, double right_weight,
                                                  tap_kind kind, bool reversed) {
     SHB_ALIGN int32_t columns[BOX_PITCH];
     int32_t shadowed = 0;
@@ -77,8 +78,9 @@ static inline ALWAYS_INLINE double W(weigh_rows)(const box *b, const W(box_taps)
     return ((1 - right_weight) * left + right_weight * right) + inner;
 }
 
-static inline ALWAYS_INLINE double W(weigh_box)(const box_batch *batch, size_t i, const box *b,
-                                                int n, tap_kind kind, bool reversed) {
+static inline ALWAYS_INLINE double W(weigh_box)(const box_batch *batch, size_t i,
+                                                const texel_box *b, int n, tap_kind kind,
+                                                bool reversed) {
     const W(box_taps) taps = W(box_taps_of)(batch, i, kind, reversed);
     const double right = last_weight(batch->receivers->to_center_x[i], n);
     const double bottom = last_weight(batch->receivers->to_center_y[i], n);
@@ -99,7 +101,7 @@ static inline ALWAYS_INLINE void W(count_in_place)(const box_run *run, int n, ta
         shadowed[i] = 0;
         if (!batch->inside[i])
             continue;
-        box b = box_in_place(batch, i);
+        texel_box b = box_in_place(batch, i);
         if (n % 2)
             b.column = b.row = -(n / 2); /* a constant where n is one */
         shadowed[i] = W(count_box)(batch, i, &b, n, kind, reversed);

@@ -44,12 +44,12 @@ typedef struct box_run {
 } box_run;
 
 /* Where the texels of a box are, as floats, and which they are from the fragment's own one on. */
-typedef struct box {
+typedef struct texel_box {
     const char *texels;
     size_t stride;
     int column, row;    /* of the first */
     const float *given; /* TAPS_GIVEN */
-} box;
+} texel_box;
 
 /* The row from texel first on as floats, as they are stored. Products in double round to the same
  * floats as the quotients that define the formats. */
@@ -76,7 +76,7 @@ static void decode_texels(const shb_map *map, int32_t row, int32_t first, int32_
 }
 
 /* The depth of every tap anew. */
-static NEVER_INLINE void give_taps(box_batch *batch, size_t i, const box *b) {
+static NEVER_INLINE void give_taps(box_batch *batch, size_t i, const texel_box *b) {
     const int n = batch->size[i];
     const shb_light_rows *rows = &batch->map->rows;
     const shb_tap_surface surface = shb_tap_surface_of(rows, batch->receivers, i);
@@ -91,7 +91,7 @@ static NEVER_INLINE void give_taps(box_batch *batch, size_t i, const box *b) {
 }
 
 /* Copies the box of fragment i, with far depths where it leaves the map; false: it lies outside. */
-static NEVER_INLINE bool copy_box(box_batch *batch, size_t i, box *b) {
+static NEVER_INLINE bool copy_box(box_batch *batch, size_t i, texel_box *b) {
     const int32_t n = batch->size[i], left = batch->left[i], top = batch->top[i];
     if (left <= -n || top <= -n || left >= batch->width || top >= batch->height)
         return false;
@@ -104,23 +104,24 @@ static NEVER_INLINE bool copy_box(box_batch *batch, size_t i, box *b) {
         if (top + row >= 0 && top + row < batch->height)
             decode_texels(batch->map, top + row, left + first, end - first, depths + first);
     }
-    *b = (box){.texels = (const char *)batch->window,
-               .stride = BOX_PITCH * sizeof(float),
-               .column = left - batch->receivers->texel_x[i],
-               .row = top - batch->receivers->texel_y[i],
-               .given = batch->given};
+    *b = (texel_box){.texels = (const char *)batch->window,
+                     .stride = BOX_PITCH * sizeof(float),
+                     .column = left - batch->receivers->texel_x[i],
+                     .row = top - batch->receivers->texel_y[i],
+                     .given = batch->given};
     if (batch->kind == TAPS_GIVEN)
         give_taps(batch, i, b);
     return true;
 }
 
-static inline ALWAYS_INLINE box box_in_place(const box_batch *batch, size_t i) {
+static inline ALWAYS_INLINE texel_box box_in_place(const box_batch *batch, size_t i) {
     const size_t stride = batch->map->depth.stride;
-    return (box){.texels = (const char *)batch->map->depth.texels + (size_t)batch->top[i] * stride +
-                           (size_t)batch->left[i] * sizeof(float),
-                 .stride = stride,
-                 .column = batch->left[i] - batch->receivers->texel_x[i],
-                 .row = batch->top[i] - batch->receivers->texel_y[i]};
+    return (texel_box){.texels = (const char *)batch->map->depth.texels +
+                                 (size_t)batch->top[i] * stride +
+                                 (size_t)batch->left[i] * sizeof(float),
+                       .stride = stride,
+                       .column = batch->left[i] - batch->receivers->texel_x[i],
+                       .row = batch->top[i] - batch->receivers->texel_y[i]};
 }
 
 /* How much of the last column a box of n - 1 texels around the fragment covers. */
@@ -185,7 +186,7 @@ static void count_run(const box_run *run, float *visibility) {
 
 /* By the naive way, in map formats that are not float, and where the map ends. */
 static NEVER_INLINE float count_copy(box_batch *batch, size_t i) {
-    box b;
+    texel_box b;
     if (!copy_box(batch, i, &b))
         return 1;
     const int n = batch->size[i];
@@ -199,7 +200,7 @@ static NEVER_INLINE float count_copy(box_batch *batch, size_t i) {
     return (float)((n * n - shadowed) * (1 / (double)(n * n)));
 }
 
-static float weigh_one(const box_batch *batch, size_t i, const box *b) {
+static float weigh_one(const box_batch *batch, size_t i, const texel_box *b) {
     const int n = batch->size[i];
     double lit;
     if (n == 2 && batch->kind != TAPS_GIVEN)
@@ -315,7 +316,7 @@ static void pcf_smooth(const shb_filter_args *args) {
     box_batch batch;
     box_batch_init(args, 2, &batch);
     for (size_t i = 0; i < args->count; i++) {
-        box b;
+        texel_box b;
         bool inside = batch.inside[i];
         if (inside)
             b = box_in_place(&batch, i);
