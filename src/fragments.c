@@ -2,6 +2,7 @@
 
 #include "fragments.h"
 
+#include "scene.h"
 #include "vector.h"
 
 void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kernels *kernels,
@@ -9,16 +10,28 @@ void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kerne
                               const shb_light_source *lights, size_t light_count) {
     reader->kernels = kernels;
     reader->frame = frame;
-    reader->eye = eye;
-    reader->lights = lights;
-    reader->light_count = light_count;
-    reader->batch = 0;
-    reader->instance.mesh = NULL;
-    for (size_t set = 0; set < SHB_FRAGMENT_SETS; set++)
-        for (size_t way = 0; way < SHB_FRAGMENT_WAYS; way++) {
-            reader->sets[set].ids[way] = SHB_ID_NONE;
-            reader->sets[set].batch[way] = 0;
-        }
+    reader->view = (shb_run_view){frame->view, eye, lights, light_count};
+    reader->instance_count = 0;
+    reader->next_instance = 0;
+    reader->instance = NULL;
+}
+
+static bool holds(const shb_surface_instance *instance, uint32_t id) {
+    return id - instance->first_id < instance->mesh->triangle_count;
+}
+
+/* NULL when the scene has no such triangle. */
+static const shb_surface_instance *find_instance(shb_fragment_reader *reader, uint32_t id) {
+    for (size_t i = 0; i < reader->instance_count; i++)
+        if (holds(&reader->instances[i], id))
+            return &reader->instances[i];
+    shb_surface_instance *found = &reader->instances[reader->next_instance];
+    if (!shb_surface_find_instance(reader->frame->scene, id, found))
+        return NULL;
+    reader->next_instance = (reader->next_instance + 1) % SHB_FRAGMENT_INSTANCES;
+    if (reader->instance_count < SHB_FRAGMENT_INSTANCES)
+        reader->instance_count++;
+    return found;
 }
 
 /* A triangle without area that snapping has made visible counts as facing the camera. */
@@ -31,58 +44,211 @@ static shb_vec3 normal_to_eye(const shb_surface_triangle *surface, const shb_lig
     return shb_vec3_normalize(vec3_subtract(eye->position, corner));
 }
 
-static bool find_instance(shb_fragment_reader *reader, uint32_t id) {
-    shb_surface_instance *instance = &reader->instance;
-    if (instance->mesh && id - instance->first_id < instance->mesh->triangle_count)
-        return true;
-    return shb_surface_find_instance(reader->frame->scene, id, instance);
+bool shb_fragment_triangle(shb_fragment_reader *reader, uint32_t id,
+                           shb_surface_triangle *triangle) {
+    const shb_surface_instance *instance = find_instance(reader, id);
+    if (!instance || !shb_surface_prepare_of(instance, reader->frame->view, id, triangle))
+        return false;
+    triangle->normal = normal_to_eye(triangle, &reader->view.eye);
+    return true;
 }
 
-static void prepare(shb_fragment_reader *reader, uint32_t id, shb_fragment_triangle *triangle) {
-    shb_surface_triangle *surface = &triangle->surface;
-    triangle->exists = find_instance(reader, id) &&
-                       shb_surface_prepare_of(&reader->instance, reader->frame->view, id, surface);
-    if (!triangle->exists)
+static void write_vector(double (*to)[SHB_RUNS], size_t run, shb_vec3 v) {
+    to[0][run] = v.x;
+    to[1][run] = v.y;
+    to[2][run] = v.z;
+}
+
+/* A run that the kernels leave alone. */
+static void prepare_alone(shb_fragment_reader *reader, size_t run) {
+    shb_surface_runs *runs = &reader->runs;
+    shb_surface_triangle triangle;
+    if (!shb_fragment_triangle(reader, runs->ids[run], &triangle))
         return;
-    surface->normal = normal_to_eye(surface, &reader->eye);
-    triangle->facing = 0;
-    for (size_t k = 0; k < reader->light_count; k++)
-        triangle->facing |= (uint32_t)shb_surface_faces(surface, &reader->lights[k]) << k;
+    runs->prepared[run] = 1;
+    runs->facing[run] = 0;
+    for (size_t k = 0; k < reader->view.light_count; k++)
+        runs->facing[run] |= (uint32_t)shb_surface_faces(&triangle, &reader->view.lights[k]) << k;
+    write_vector(runs->normal, run, triangle.normal);
+    write_vector(runs->corners, run, triangle.corners[0]);
+    write_vector(runs->shading, run, triangle.shading[0]);
+    for (int k = 1; k < 3; k++) {
+        write_vector(runs->corners + 3 * k, run,
+                     vec3_subtract(triangle.corners[k], triangle.corners[0]));
+        write_vector(runs->shading + 3 * k, run,
+                     vec3_subtract(triangle.shading[k], triangle.shading[0]));
+    }
+    for (int k = 0; k < 3; k++)
+        write_vector(runs->cofactors + 3 * k, run, triangle.cofactors[k]);
 }
 
-/* Prepares a triangle in the place of the one that was not used for longest; NULL if all of its set
- * are used by the current batch. */
-static const shb_fragment_triangle *prepare_in_set(shb_fragment_reader *reader, uint32_t id,
-                                                   shb_fragment_set *set) {
-    size_t oldest = 0;
-    for (size_t way = 1; way < SHB_FRAGMENT_WAYS; way++)
-        oldest = set->batch[way] < set->batch[oldest] ? way : oldest;
-    if (set->batch[oldest] == reader->batch)
-        return NULL;
-    set->ids[oldest] = id;
-    set->batch[oldest] = reader->batch;
-    prepare(reader, id, &set->triangles[oldest]);
-    return &set->triangles[oldest];
+static inline void read_triple(float (*to)[SHB_RUNS], size_t run, const float *from) {
+    to[0][run] = from[0];
+    to[1][run] = from[1];
+    to[2][run] = from[2];
 }
 
-static inline const shb_fragment_triangle *find_triangle(shb_fragment_reader *reader, uint32_t id) {
-    shb_fragment_set *set = &reader->sets[id % SHB_FRAGMENT_SETS];
-    for (size_t way = 0; way < SHB_FRAGMENT_WAYS; way++)
-        if (set->ids[way] == id) {
-            set->batch[way] = reader->batch;
-            return &set->triangles[way];
+/* Corners whose index is out of range become NaN, so that the run is left out. */
+static void read_corners(const shb_surface_instance *instance, size_t first, size_t end,
+                         shb_surface_runs *runs) {
+    static const float none[3] = {NAN, NAN, NAN}, zero[3] = {0, 0, 0};
+    const shb_mesh *mesh = instance->mesh;
+    for (size_t run = first; run < end; run++) {
+        uint32_t vertices[3];
+        shb_mesh_triangle(mesh, runs->ids[run] - instance->first_id, vertices);
+        for (int k = 0; k < 3; k++) {
+            const bool exists = vertices[k] < mesh->vertex_count;
+            read_triple(runs->positions + 3 * k, run,
+                        exists ? shb_mesh_position(mesh, vertices[k]) : none);
+            read_triple(runs->normals + 3 * k, run,
+                        exists && mesh->normals ? shb_mesh_normal(mesh, vertices[k]) : zero);
         }
-    return prepare_in_set(reader, id, set);
+    }
+}
+
+/* Prepares runs first .. end - 1, all of one instance. */
+static void prepare(shb_fragment_reader *reader, size_t first, size_t end) {
+    shb_surface_runs *runs = &reader->runs;
+    const shb_surface_instance *instance = reader->instance;
+    if (first == end)
+        return;
+    read_corners(instance, first, end, runs);
+    reader->kernels->runs(&reader->view, instance, first, end, runs);
+    for (size_t run = first; run < end; run++)
+        if (!runs->prepared[run])
+            prepare_alone(reader, run);
+}
+
+/* Appends the pixels first .. end - 1 that differ from the one before; without a branch that no
+ * processor could predict. */
+static size_t add_starts(const uint32_t *ids, uint32_t first, uint32_t end, uint32_t *starts,
+                         size_t found) {
+    for (uint32_t i = first; i < end; i++) {
+        starts[found] = i;
+        found += ids[i] != ids[i - 1];
+    }
+    return found;
+}
+
+/* Where the runs of equal ids begin, and at last the count; returns how many there are. */
+static size_t find_starts(const uint32_t *ids, uint32_t count, uint32_t starts[SHB_BATCH + 1]) {
+    enum { PIECE = 8 };
+    size_t found = 1;
+    uint32_t first = 1;
+    starts[0] = 0;
+    for (; first + PIECE <= count; first += PIECE) {
+        uint32_t differs = 0;
+        for (uint32_t i = first; i < first + PIECE; i++)
+            differs |= ids[i] ^ ids[i - 1];
+        if (differs)
+            found = add_starts(ids, first, first + PIECE, starts, found);
+    }
+    found = add_starts(ids, first, count, starts, found);
+    starts[found] = count;
+    return found;
+}
+
+/* The ids of the next pixels of a span. */
+static const uint32_t *ids_of(const shb_frame *frame, const shb_fragment_span *span) {
+    const size_t stride = frame->id_stride ? frame->id_stride : frame->width * sizeof *frame->ids;
+    const char *row = (const char *)frame->ids + span->row * stride;
+    return (const uint32_t *)(const void *)row + span->column;
+}
+
+/* Runs of the next pixels of the span that see a triangle of the scene; returns how many. Those of
+ * one instance are prepared together. */
+static size_t find_runs(shb_fragment_reader *reader, shb_fragment_span *span) {
+    const uint32_t *ids = ids_of(reader->frame, span);
+    const uint32_t left = span->end - span->column, pixels = left < SHB_BATCH ? left : SHB_BATCH;
+    shb_surface_runs *runs = &reader->runs;
+    uint32_t starts[SHB_BATCH + 1];
+    const size_t all = find_starts(ids, pixels, starts);
+    size_t count = 0, first = 0;
+    for (size_t k = 0; k < all; k++) {
+        const uint32_t id = ids[starts[k]];
+        if (id == SHB_ID_NONE)
+            continue;
+        if (!reader->instance || !holds(reader->instance, id)) {
+            prepare(reader, first, count);
+            first = count;
+            reader->instance = find_instance(reader, id);
+            if (!reader->instance)
+                continue;
+        }
+        runs->ids[count] = id;
+        runs->begin[count] = span->column + starts[k];
+        runs->end[count++] = span->column + starts[k + 1];
+    }
+    prepare(reader, first, count);
+    span->column += pixels;
+    return count;
+}
+
+/* Writes count pixels of a run from fragment i on. */
+static inline void list_piece(shb_fragment_reader *reader, size_t run, uint32_t pixel, size_t i,
+                              size_t count, shb_fragments *fragments, uint32_t *facing) {
+    const uint32_t id = reader->runs.ids[run], faces = reader->runs.facing[run];
+    for (size_t k = 0; k < count; k++) {
+        reader->run_of[i + k] = (int32_t)run;
+        facing[i + k] = faces;
+        fragments->id[i + k] = id;
+        fragments->pixel_x[i + k] = (int32_t)(pixel + k);
+    }
+}
+
+/* The pixels of one run as fragments from number i on; returns the number of the next. Most runs
+ * are short: pieces of one vector, and what is too much the next run overwrites. */
+static size_t list_run(shb_fragment_reader *reader, size_t run, size_t i, shb_fragments *fragments,
+                       uint32_t facing[SHB_BATCH]) {
+    enum { PIECE = 8 };
+    const uint32_t begin = reader->runs.begin[run];
+    const size_t end = i + (reader->runs.end[run] - begin);
+    size_t at = i;
+    for (; at < end && at + PIECE <= SHB_BATCH; at += PIECE)
+        list_piece(reader, run, begin + (uint32_t)(at - i), at, PIECE, fragments, facing);
+    if (at < end)
+        list_piece(reader, run, begin + (uint32_t)(at - i), at, end - at, fragments, facing);
+    return end;
+}
+
+/* The pixels of the runs whose triangles are there. After one that is not, the rest of the span
+ * waits for the next batch, as neighbouring fragments must belong to neighbouring runs. */
+static size_t list_pixels(shb_fragment_reader *reader, size_t run_count, shb_fragment_span *span,
+                          shb_fragments *fragments, uint32_t facing[SHB_BATCH]) {
+    const shb_surface_runs *runs = &reader->runs;
+    size_t count = 0;
+    for (size_t run = 0; run < run_count; run++) {
+        if (runs->prepared[run]) {
+            count = list_run(reader, run, count, fragments, facing);
+        } else if (count) {
+            span->column = runs->end[run];
+            break;
+        }
+    }
+    return count;
+}
+
+/* Loops run over the count rounded up to whole vectors. */
+static void pad(size_t count, int32_t run_of[SHB_BATCH], shb_fragments *fragments,
+                uint32_t facing[SHB_BATCH]) {
+    for (size_t i = count; i % SHB_LANES; i++) {
+        run_of[i] = run_of[count - 1];
+        facing[i] = facing[count - 1];
+        fragments->id[i] = fragments->id[count - 1];
+        fragments->pixel_x[i] = fragments->pixel_x[count - 1];
+    }
 }
 
 /* A fragment whose pixel's centre lies outside of its triangle. */
-static void read_nearest(const shb_frame *frame, const shb_surface_triangle *surface, size_t i,
-                         shb_fragments *out) {
+static void read_nearest(shb_fragment_reader *reader, size_t i, shb_fragments *out) {
+    const shb_frame *frame = reader->frame;
+    shb_surface_triangle surface;
     double weights[3];
-    shb_surface_weights(surface, frame->width, frame->height, (uint32_t)out->pixel_x[i],
+    shb_fragment_triangle(reader, out->id[i], &surface);
+    shb_surface_weights(&surface, frame->width, frame->height, (uint32_t)out->pixel_x[i],
                         (uint32_t)out->pixel_y[i], weights);
-    const shb_vec3 point = shb_surface_point(surface, weights);
-    const shb_vec3 shading = shb_surface_shading_normal(surface, weights);
+    const shb_vec3 point = shb_surface_point(&surface, weights);
+    const shb_vec3 shading = shb_surface_shading_normal(&surface, weights);
     out->x[i] = (float)point.x;
     out->y[i] = (float)point.y;
     out->z[i] = (float)point.z;
@@ -93,63 +259,22 @@ static void read_nearest(const shb_frame *frame, const shb_surface_triangle *sur
     out->weight_2[i] = (float)weights[2];
 }
 
-/* Finds the triangles of the next covered pixels of the span. */
-static size_t collect(shb_fragment_reader *reader, shb_fragment_span *span,
-                      shb_fragments *fragments, uint32_t facing[SHB_BATCH]) {
-    const shb_frame *frame = reader->frame;
-    const size_t stride = frame->id_stride ? frame->id_stride : frame->width * sizeof *frame->ids;
-    const char *bytes = (const char *)frame->ids + span->row * stride;
-    const uint32_t *ids = (const uint32_t *)(const void *)bytes;
-    const shb_fragment_triangle *triangle = NULL;
-    size_t count = 0;
-    uint32_t x = span->column, last = SHB_ID_NONE;
-    reader->batch++;
-    for (; x < span->end && count < SHB_BATCH; x++) {
-        if (ids[x] == SHB_ID_NONE)
-            continue;
-        if (ids[x] != last && !(triangle = find_triangle(reader, ids[x])))
-            break;
-        last = ids[x];
-        if (!triangle->exists)
-            continue;
-        reader->records[count] = &triangle->surface;
-        facing[count] = triangle->facing;
-        fragments->id[count] = ids[x];
-        fragments->pixel_x[count++] = (int32_t)x;
-    }
-    span->column = x;
-    return count;
-}
-
-/* Loops run over the count rounded up to whole vectors. */
-static void pad(size_t count, const void *records[SHB_BATCH], shb_fragments *fragments,
-                uint32_t facing[SHB_BATCH]) {
-    for (size_t i = count; i % SHB_LANES; i++) {
-        records[i] = records[count - 1];
-        facing[i] = facing[count - 1];
-        fragments->id[i] = fragments->id[count - 1];
-        fragments->pixel_x[i] = fragments->pixel_x[count - 1];
-    }
-}
-
 size_t shb_fragments_read(shb_fragment_reader *reader, shb_fragment_span *span,
                           shb_fragments *fragments, uint32_t facing[SHB_BATCH]) {
-    const void **records = reader->records;
     SHB_ALIGN float outside[SHB_BATCH];
-    size_t count;
-    do
-        count = collect(reader, span, fragments, facing);
-    while (count == 0 && span->column < span->end);
+    size_t count = 0;
+    while (count == 0 && span->column < span->end)
+        count = list_pixels(reader, find_runs(reader, span), span, fragments, facing);
     if (count == 0)
         return 0;
-    pad(count, records, fragments, facing);
+    pad(count, reader->run_of, fragments, facing);
     const size_t lanes = shb_round_to_lanes(count);
     for (size_t i = 0; i < lanes; i++)
         fragments->pixel_y[i] = (int32_t)span->row;
     const shb_pixel_row row = {reader->frame->width, reader->frame->height, span->row};
-    reader->kernels->fragments(&row, count, records, fragments, outside);
+    reader->kernels->fragments(&row, count, &reader->runs, reader->run_of, fragments, outside);
     for (size_t i = 0; i < lanes; i++)
         if (isnan(outside[i]))
-            read_nearest(reader->frame, records[i], i, fragments);
+            read_nearest(reader, i, fragments);
     return count;
 }

@@ -28,28 +28,6 @@ bool shb_transform_mirrors(const shb_mat4 *transform) {
     return shb_vec3_dot(x, shb_vec3_cross(y, z)) < 0;
 }
 
-const float *shb_mesh_position(const shb_mesh *mesh, uint32_t vertex) {
-    const size_t stride = stride_or_packed(mesh->position_stride);
-    return (const float *)(const void *)((const char *)mesh->positions + vertex * stride);
-}
-
-const float *shb_mesh_normal(const shb_mesh *mesh, uint32_t vertex) {
-    const size_t stride = stride_or_packed(mesh->normal_stride);
-    return (const float *)(const void *)((const char *)mesh->normals + vertex * stride);
-}
-
-void shb_mesh_triangle(const shb_mesh *mesh, uint32_t triangle, uint32_t vertices[3]) {
-    const size_t first = 3 * (size_t)triangle;
-    for (size_t i = 0; i < 3; i++) {
-        if (!mesh->indices)
-            vertices[i] = (uint32_t)(first + i);
-        else if (mesh->index_size == 2)
-            vertices[i] = ((const uint16_t *)mesh->indices)[first + i];
-        else
-            vertices[i] = ((const uint32_t *)mesh->indices)[first + i];
-    }
-}
-
 static shb_result fail(const char **reason, shb_result result, const char *sentence) {
     *reason = sentence;
     return result;

@@ -15,13 +15,33 @@ bool shb_transform_mirrors(const shb_mat4 *transform);
 shb_result shb_scene_check(const shb_scene *scene, const char **reason);
 
 /* The vertex indices of triangle number triangle of the mesh. */
-void shb_mesh_triangle(const shb_mesh *mesh, uint32_t triangle, uint32_t vertices[3]);
+static inline void shb_mesh_triangle(const shb_mesh *mesh, uint32_t triangle,
+                                     uint32_t vertices[3]) {
+    const size_t first = 3 * (size_t)triangle;
+    for (size_t i = 0; i < 3; i++) {
+        if (!mesh->indices)
+            vertices[i] = (uint32_t)(first + i);
+        else if (mesh->index_size == 2)
+            vertices[i] = ((const uint16_t *)mesh->indices)[first + i];
+        else
+            vertices[i] = ((const uint32_t *)mesh->indices)[first + i];
+    }
+}
+
+static inline const float *shb_mesh_vector(const float *vectors, size_t stride, uint32_t vertex) {
+    const size_t step = stride ? stride : 3 * sizeof *vectors;
+    return (const float *)(const void *)((const char *)vectors + vertex * step);
+}
 
 /* Position of a vertex. */
-const float *shb_mesh_position(const shb_mesh *mesh, uint32_t vertex);
+static inline const float *shb_mesh_position(const shb_mesh *mesh, uint32_t vertex) {
+    return shb_mesh_vector(mesh->positions, mesh->position_stride, vertex);
+}
 
 /* Normal of a vertex; the mesh must have normals. */
-const float *shb_mesh_normal(const shb_mesh *mesh, uint32_t vertex);
+static inline const float *shb_mesh_normal(const shb_mesh *mesh, uint32_t vertex) {
+    return shb_mesh_vector(mesh->normals, mesh->normal_stride, vertex);
+}
 
 /* Finds the instance of a triangle id: the instance's number, and in *first the id of its first
  * triangle. The id must be below the triangle count. */

@@ -23,7 +23,7 @@ typedef struct shading {
     shb_light_source lights[SHB_LIGHTS_MAX];
     shb_filter filters[SHB_LIGHTS_MAX];
     const shb_shade_kernels *kernels;
-    uint8_t background[3];
+    uint8_t background[3 * TASK_COLUMNS]; /* a row of a task */
     uint32_t tasks_across;
 } shading;
 
@@ -184,9 +184,10 @@ static void shade_batch(const shading *job, size_t count, workspace *work) {
         shb_terminator_lift_batch(&work->reader, count, &work->fragments, &work->lifted);
     for (size_t k = 0; k < desc->light_count; k++)
         ask_light(job, k, count, work);
-    memset(work->red, 0, sizeof work->red);
-    memset(work->green, 0, sizeof work->green);
-    memset(work->blue, 0, sizeof work->blue);
+    const size_t size = shb_round_to_lanes(count) * sizeof *work->red;
+    memset(work->red, 0, size);
+    memset(work->green, 0, size);
+    memset(work->blue, 0, size);
     const shb_shade_args args = {count,        &work->fragments, desc->light_count,
                                  desc->lights, work->lighting,   desc->user,
                                  work->red,    work->green,      work->blue};
@@ -198,9 +199,8 @@ static void shade_batch(const shading *job, size_t count, workspace *work) {
 static void clear_span(const shading *job, const shb_fragment_span *span) {
     const shb_image *image = &job->desc->image;
     const size_t stride = image->stride ? image->stride : 3 * (size_t)image->width;
-    uint8_t *pixels = image->pixels + span->row * stride;
-    for (size_t x = span->column; x < span->end; x++)
-        memcpy(pixels + 3 * x, job->background, 3);
+    uint8_t *pixels = image->pixels + span->row * stride + 3 * (size_t)span->column;
+    memcpy(pixels, job->background, 3 * (size_t)(span->end - span->column));
 }
 
 static uint32_t min_u32(uint32_t a, uint32_t b) {
@@ -242,7 +242,8 @@ shb_result shb_shade(shb_context *context, const shb_shade_desc *desc) {
         job.lights[k] = shb_map_get_info(desc->lights[k].map)->light;
         job.filters[k] = desc->lights[k].filter ? *desc->lights[k].filter : shb_filter_hard();
     }
-    job.kernels->display(3, desc->background, job.background);
+    for (size_t i = 0; i < TASK_COLUMNS; i++)
+        job.kernels->display(3, desc->background, job.background + 3 * i);
     const uint32_t tasks_down = (desc->frame.height + TASK_ROWS - 1) / TASK_ROWS;
     shb_parallel_for(context, shade_block, &job, (size_t)job.tasks_across * tasks_down);
     return SHB_OK;

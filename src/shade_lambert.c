@@ -10,28 +10,32 @@
 /* Of the grey under the error colours. */
 #define DIM 0.25f
 
-static float ambient(const shb_shade_args *args, size_t i) {
-    return AMBIENT * 0.5f * (1 + args->fragments->shading_y[i]);
+static float ambient(float shading_y) {
+    return AMBIENT * 0.5f * (1 + shading_y);
 }
 
-/* Light of one colour channel that a white surface sends back. */
-static float reflected(const shb_shade_args *args, size_t i, int channel) {
-    float sum = ambient(args, i);
+/* Light of one colour channel that a surface of this colour sends back. */
+static void reflect(const shb_shade_args *args, int channel, float surface, float *restrict out) {
+    const float *restrict shading_y = args->fragments->shading_y;
+    for (size_t i = 0; i < args->count; i++)
+        out[i] = ambient(shading_y[i]);
     for (size_t k = 0; k < args->light_count; k++) {
-        const shb_lighting *lighting = &args->lighting[k];
-        sum += args->lights[k].color[channel] * lighting->visibility[i] * lighting->cosine[i];
+        const float color = args->lights[k].color[channel];
+        const float *restrict visibility = args->lighting[k].visibility;
+        const float *restrict cosine = args->lighting[k].cosine;
+        for (size_t i = 0; i < args->count; i++)
+            out[i] += color * visibility[i] * cosine[i];
     }
-    return sum;
+    for (size_t i = 0; i < args->count; i++)
+        out[i] *= surface;
 }
 
 void shb_shade_lambert(const shb_shade_args *args) {
     static const float white[3] = {1, 1, 1};
     const float *surface = args->user ? args->user : white;
-    for (size_t i = 0; i < args->count; i++) {
-        args->red[i] = surface[0] * reflected(args, i, 0);
-        args->green[i] = surface[1] * reflected(args, i, 1);
-        args->blue[i] = surface[2] * reflected(args, i, 2);
-    }
+    reflect(args, 0, surface[0], args->red);
+    reflect(args, 1, surface[1], args->green);
+    reflect(args, 2, surface[2], args->blue);
 }
 
 /* The colour of what the truth and the visibility say together: NULL where they agree. */
@@ -53,7 +57,7 @@ void shb_shade_error(const shb_shade_args *args) {
     for (size_t i = 0; i < args->count; i++) {
         const float visibility = args->light_count ? args->lighting[0].visibility[i] : 1;
         const float cosine = args->light_count ? args->lighting[0].cosine[i] : 0;
-        const float level = DIM * (ambient(args, i) + visibility * cosine);
+        const float level = DIM * (ambient(fragments->shading_y[i]) + visibility * cosine);
         const float grey[3] = {level, level, level};
         const size_t row = (size_t)fragments->pixel_y[i], column = (size_t)fragments->pixel_x[i];
         const float *error = error_color(params->truth[row * params->stride + column], visibility);

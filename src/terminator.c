@@ -24,13 +24,16 @@ shb_vec3 shb_terminator_way(const shb_surface_triangle *triangle, const double w
     return moved;
 }
 
-void shb_terminator_lift_batch(const shb_fragment_reader *reader, size_t count,
+void shb_terminator_lift_batch(shb_fragment_reader *reader, size_t count,
                                const shb_fragments *fragments, shb_lifted_points *lifted) {
+    shb_surface_triangle triangle;
     const size_t lanes = shb_round_to_lanes(count);
     for (size_t i = 0; i < lanes; i++) {
+        if (i == 0 || fragments->id[i] != triangle.id)
+            shb_fragment_triangle(reader, fragments->id[i], &triangle);
         const double b = (double)fragments->weight_1[i], c = (double)fragments->weight_2[i];
         const double weights[3] = {1 - b - c, b, c};
-        const shb_vec3 way = shb_terminator_way(reader->records[i], weights);
+        const shb_vec3 way = shb_terminator_way(&triangle, weights);
         lifted->x[i] = (float)((double)fragments->x[i] + way.x);
         lifted->y[i] = (float)((double)fragments->y[i] + way.y);
         lifted->z[i] = (float)((double)fragments->z[i] + way.z);

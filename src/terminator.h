@@ -18,7 +18,7 @@ typedef struct shb_lifted_points {
 shb_vec3 shb_terminator_way(const shb_surface_triangle *triangle, const double weights[3]);
 
 /* Moves the points of a batch that the reader has just read. */
-void shb_terminator_lift_batch(const shb_fragment_reader *reader, size_t count,
+void shb_terminator_lift_batch(shb_fragment_reader *reader, size_t count,
                                const shb_fragments *fragments, shb_lifted_points *lifted);
 
 #endif

@@ -15,9 +15,16 @@ static inline wd wd_load_floats(const float *p) {
 static inline wd wd_load_ints(const int32_t *p) {
     return (double)*p;
 }
-/* The double at this offset of as many records. */
-static inline wd wd_gather(const void *const *records, size_t offset) {
-    return *(const double *)(const void *)((const char *)records[0] + offset);
+static inline wd wd_load(const double *p) {
+    return *p;
+}
+static inline void wd_store(double *p, wd v) {
+    *p = v;
+}
+/* The elements of a table that as many indices name, each the one before or the next: no more of
+ * the table than a vector from the first one on. */
+static inline wd wd_spread(const double *table, const int32_t *indices) {
+    return table[indices[0]];
 }
 static inline void wd_store_floats(float *p, wd v) {
     *p = (float)v;

@@ -16,11 +16,14 @@ static inline wd wd_load_floats(const float *p) {
 static inline wd wd_load_ints(const int32_t *p) {
     return _mm_cvtepi32_pd(_mm_loadl_epi64((const __m128i *)(const void *)p));
 }
-static inline double wd_at(const void *record, size_t offset) {
-    return *(const double *)(const void *)((const char *)record + offset);
+static inline wd wd_load(const double *p) {
+    return _mm_loadu_pd(p);
 }
-static inline wd wd_gather(const void *const *records, size_t offset) {
-    return _mm_setr_pd(wd_at(records[0], offset), wd_at(records[1], offset));
+static inline void wd_store(double *p, wd v) {
+    _mm_storeu_pd(p, v);
+}
+static inline wd wd_spread(const double *table, const int32_t *indices) {
+    return _mm_setr_pd(table[indices[0]], table[indices[1]]);
 }
 static inline void wd_store_floats(float *p, wd v) {
     _mm_storel_epi64((__m128i *)(void *)p, _mm_castps_si128(_mm_cvtpd_ps(v)));

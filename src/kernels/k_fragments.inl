@@ -1,31 +1,35 @@
-/* Fragments of a row of pixels from their prepared triangles: the formulas of surface.c. */
+/* Fragments of a row of pixels from the runs that they belong to: the formulas of surface.c. */
 
-#define GATHER(field) wd_gather(records + i, offsetof(shb_surface_triangle, field))
+#define SPREAD(field) wd_spread(runs->field, run_of + i)
 
-/* v[0] + b * (v[1] - v[0]) + c * (v[2] - v[0]) for one axis of three vectors. */
+/* first + b * way_1 + c * way_2 for one axis of a first vector and the ways to two others. */
 #define COMBINE(field, axis)                                                                       \
-    combine(GATHER(field[0].axis), GATHER(field[1].axis), GATHER(field[2].axis), b, c)
+    combine(SPREAD(field[axis]), SPREAD(field[3 + axis]), SPREAD(field[6 + axis]), b, c)
 
-static inline ALWAYS_INLINE wd combine(wd v0, wd v1, wd v2, wd b, wd c) {
-    return v0 + (b * (v1 - v0) + c * (v2 - v0));
+static inline ALWAYS_INLINE wd combine(wd first, wd way_1, wd way_2, wd b, wd c) {
+    return first + (b * way_1 + c * way_2);
+}
+
+static inline ALWAYS_INLINE wd weight_of(const shb_surface_runs *runs, const int32_t *run_of,
+                                         size_t i, int corner, wd center_x, double center_y) {
+    return SPREAD(cofactors[3 * corner]) * center_x + SPREAD(cofactors[3 * corner + 1]) * center_y +
+           SPREAD(cofactors[3 * corner + 2]);
 }
 
 /* NaN in outside[i]: the pixel's centre lies outside of its triangle, and the fragment is not
  * right. */
-static void read_fragments(const shb_pixel_row *row, size_t count, const void *const *records,
-                           shb_fragments *restrict out, float *restrict outside) {
+static void read_fragments(const shb_pixel_row *row, size_t count, const shb_surface_runs *runs,
+                           const int32_t *run_of, shb_fragments *restrict out,
+                           float *restrict outside) {
     const wd zero = wd_splat(0.0), one = wd_splat(1.0), none = wd_splat((double)NAN);
     const double width = row->width, height = row->height;
     const double center_y = (height - 2.0 * row->row - 1) / height;
     const size_t lanes = shb_round_to_lanes(count);
     for (size_t i = 0; i < lanes; i += DOUBLES) {
         const wd center_x = (2.0 * wd_load_ints(out->pixel_x + i) + 1.0 - width) / width;
-        const wd weight_0 = GATHER(cofactors[0].x) * center_x + GATHER(cofactors[0].y) * center_y +
-                            GATHER(cofactors[0].z);
-        const wd weight_1 = GATHER(cofactors[1].x) * center_x + GATHER(cofactors[1].y) * center_y +
-                            GATHER(cofactors[1].z);
-        const wd weight_2 = GATHER(cofactors[2].x) * center_x + GATHER(cofactors[2].y) * center_y +
-                            GATHER(cofactors[2].z);
+        const wd weight_0 = weight_of(runs, run_of, i, 0, center_x, center_y);
+        const wd weight_1 = weight_of(runs, run_of, i, 1, center_x, center_y);
+        const wd weight_2 = weight_of(runs, run_of, i, 2, center_x, center_y);
         const wd sum = weight_0 + weight_1 + weight_2;
         const wd least = wd_min(wd_min(weight_0, weight_1), weight_2);
         const wd usable = wd_where_greater(sum, zero, sum, none) * 0.0; /* 0 or NaN */
@@ -34,17 +38,17 @@ static void read_fragments(const shb_pixel_row *row, size_t count, const void *c
         const wd b = weight_1 / sum, c = weight_2 / sum;
         wd_store_floats(out->weight_1 + i, b);
         wd_store_floats(out->weight_2 + i, c);
-        wd_store_floats(out->x + i, COMBINE(corners, x));
-        wd_store_floats(out->y + i, COMBINE(corners, y));
-        wd_store_floats(out->z + i, COMBINE(corners, z));
+        wd_store_floats(out->x + i, COMBINE(corners, 0));
+        wd_store_floats(out->y + i, COMBINE(corners, 1));
+        wd_store_floats(out->z + i, COMBINE(corners, 2));
 
-        const wd normal_x = GATHER(normal.x), normal_y = GATHER(normal.y);
-        const wd normal_z = GATHER(normal.z);
+        const wd normal_x = SPREAD(normal[0]), normal_y = SPREAD(normal[1]);
+        const wd normal_z = SPREAD(normal[2]);
         wd_store_floats(out->normal_x + i, normal_x);
         wd_store_floats(out->normal_y + i, normal_y);
         wd_store_floats(out->normal_z + i, normal_z);
 
-        const wd x = COMBINE(shading, x), y = COMBINE(shading, y), z = COMBINE(shading, z);
+        const wd x = COMBINE(shading, 0), y = COMBINE(shading, 1), z = COMBINE(shading, 2);
         const wd length = wd_sqrt(x * x + y * y + z * z);
         const wd good = wd_where_greater(length, zero, length, none) * 0.0; /* 0 or NaN */
         const wd along = normal_x * x + normal_y * y + normal_z * z;

@@ -19,6 +19,8 @@
 
 #include "k_filter.inl"
 
+#include "k_surface.inl"
+
 #include "k_fragments.inl"
 
 const shb_shade_kernels SHADE_KERNELS = {
@@ -39,6 +41,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .normal_offset = normal_offset,
     .normal_offset_depth = normal_offset_depth,
     .texel_cone = texel_cone,
+    .runs = prepare_runs,
     .fragments = read_fragments,
     .lighting = light_fragments,
     .display = display_bytes,

@@ -4,7 +4,7 @@
 #define SRC_KERNELS_SHADE_H
 
 #include "../project.h"
-#include "../surface.h"
+#include "../surface_runs.h"
 
 /* A row of pixels of a frame of this size. */
 typedef struct shb_pixel_row {
@@ -41,11 +41,16 @@ typedef struct shb_shade_kernels {
     shb_bias_fn *constant, *slope, *angle, *receiver_plane, *adaptive, *adaptive_soft;
     shb_bias_fn *normal_offset, *normal_offset_depth, *texel_cone;
 
-    /* Fragments of pixels whose pixel_x is written and whose triangles are prepared: records[i] is
-     * an shb_surface_triangle. outside[i] is NaN where the pixel's centre lies outside of it: that
-     * fragment is not right yet. */
-    void (*fragments)(const shb_pixel_row *row, size_t count, const void *const *records,
-                      shb_fragments *fragments, float *outside);
+    /* Prepares the triangles of runs first .. end - 1, all of one instance, whose positions and
+     * normals are written. */
+    void (*runs)(const shb_run_view *view, const shb_surface_instance *instance, size_t first,
+                 size_t end, shb_surface_runs *runs);
+
+    /* Fragments of pixels whose pixel_x is written; run_of[i] is the run of fragment i, that of the
+     * fragment before or the next one; their triangles are prepared. outside[i] is NaN where the
+     * pixel's centre lies outside of it: that fragment is not right yet. */
+    void (*fragments)(const shb_pixel_row *row, size_t count, const shb_surface_runs *runs,
+                      const int32_t *run_of, shb_fragments *fragments, float *outside);
 
     /* Writes the cosines of light number number, and takes the visibility away from triangles that
      * do not face it. */
