@@ -1,5 +1,6 @@
 /* Times of every stage over many scenes, beside the machine's limits and the scalar reference. */
 #include "goals.h"
+#include "soft_shadows.h"
 #include "stages.h"
 #include "subjects.h"
 #include "tool.h"
@@ -49,14 +50,16 @@ static bool measure_scenes(bench_session *session) {
     return done;
 }
 
-/* Goals and ratios have scenes of their own. */
+/* Goals, ratios and soft shadows have scenes of their own. */
 static bool measure_goals(bench_session *session) {
     const bench_options *options = &session->options;
     if (options->scene || options->size)
         return true;
     progress_begin(&session->progress, 16);
     return (!options_want(options, "goals", NULL) || goals_measure(session)) &&
-           (!options_want(options, "ratios", NULL) || ratios_measure(session));
+           (!options_want(options, "ratios", NULL) || ratios_measure(session)) &&
+           (!options_want(options, "soft", NULL) ||
+            (soft_measure_tables(session) && soft_measure_goals(session)));
 }
 
 int main(int argc, char **argv) {

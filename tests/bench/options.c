@@ -20,7 +20,9 @@ static const char help[] =
     "  frame        frame:METHOD, map, camera and shading      fragment\n"
     "  goals        times with a goal, by instruction set\n"
     "  ratios       two things by turns, with a goal\n"
-    "goals and ratios have scenes and sizes of their own: --scene and --size leave them out.\n"
+    "  soft         filters under area lights: times, errors, goals\n"
+    "goals, ratios and soft have scenes and sizes of their own: --scene and --size leave them "
+    "out.\n"
     "Made for measuring: height-field, hills, huge, stack, triangle and culled.\n"
     "size is that of the map, or of the picture for camera; the pictures of visibility, shade and\n"
     "frame have 1024 x 1024 pixels, or more until half a million fragments are in sight.\n"
@@ -32,8 +34,8 @@ static const char help[] =
     "copy the bytes that they must read and write), one thread, divided by the time taken.\n"
     "Cycles come from a chain of additions timed at the start.\n";
 
-static const char *const groups[] = {"depth", "camera", "dual",  "cull",  "visibility",
-                                     "shade", "frame",  "goals", "ratios"};
+static const char *const groups[] = {"depth", "camera", "dual",  "cull",   "visibility",
+                                     "shade", "frame",  "goals", "ratios", "soft"};
 
 /* True if some stage has the name that --only gives. */
 static bool is_stage(const bench_options *options) {

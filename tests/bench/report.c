@@ -33,7 +33,8 @@ static void print_machine(const bench_session *session) {
 void report_begin(bench_session *session) {
     if (session->options.tsv)
         printf("stage\tscene\ttriangles\tsize\tisa\tthreads\tms_median\tms_min\tcycles_per_item\t"
-               "ns_per_item\tspeedup_vs_scalar\tfraction_of_limit\tmeasured\tgoal\n");
+               "ns_per_item\tspeedup_vs_scalar\tfraction_of_limit\tmeasured\tgoal\t"
+               "map_ms\tshade_ms\tratio\tpaper_ratio\trms\tsimilarity\n");
     else
         print_machine(session);
     fflush(stdout);
@@ -57,7 +58,13 @@ static void print_tabs(const bench_session *session, const bench_row *row) {
     print_field(row->scalar.median / row->times.median, 2, "\t");
     print_field(row->limit_seconds / row->times.median, 4, "\t");
     print_field(row->measured, 3, "\t");
-    print_field(row->goal, 3, "\n");
+    print_field(row->goal, 3, "\t");
+    print_field(1e3 * row->soft.map_seconds, 4, "\t");
+    print_field(1e3 * row->soft.shade_seconds, 4, "\t");
+    print_field(row->soft.ratio, 3, "\t");
+    print_field(row->soft.paper, 3, "\t");
+    print_field(row->soft.rms, 5, "\t");
+    print_field(row->soft.similarity, 5, "\n");
 }
 
 /* The same row of the reference. */
@@ -133,5 +140,31 @@ void report_goal(bench_session *session, const bench_row *row, const char *unit,
         printf("  %-32s%-16s%6u%9s  %s%6.2f%s%10.3f%10.3f%10.3f  %s\n", row->stage, row->scene,
                row->size, shb_isa_name(row->isa), at_least ? ">=" : "<=", row->goal, unit,
                row->measured, least, 1e3 * row->times.median, reached ? "yes" : "no");
+    fflush(stdout);
+}
+
+void report_soft_heading(bench_session *session, const char *heading) {
+    progress_end(&session->progress);
+    if (!session->options.tsv)
+        printf("\n%-34s%9s%9s%9s%8s%8s%9s%9s%9s\n", heading, "map ms", "shade ms", "overall",
+               "times", "paper", "ns/item", "rms", "ssim");
+}
+
+void report_soft(bench_session *session, const bench_row *row) {
+    const bench_soft *soft = &row->soft;
+    progress_end(&session->progress);
+    if (session->options.tsv) {
+        print_tabs(session, row);
+    } else {
+        printf("  %-32s%9.2f%9.2f%9.2f%8.2f", row->stage, 1e3 * soft->map_seconds,
+               1e3 * soft->shade_seconds, 1e3 * (soft->map_seconds + soft->shade_seconds),
+               soft->ratio);
+        if (soft->paper > 0)
+            printf("%8.2f", soft->paper);
+        else
+            printf("%8s", "-");
+        printf("%9.1f%9.4f%9.4f\n", 1e9 * row->times.median / row->items, soft->rms,
+               soft->similarity);
+    }
     fflush(stdout);
 }

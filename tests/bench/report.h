@@ -4,6 +4,14 @@
 
 #include "session.h"
 
+/* What rows of soft shadows have beside the times of visibility. */
+typedef struct bench_soft {
+    double map_seconds, shade_seconds;
+    double ratio, paper;    /* overall time over the receiver plane's, here and in the paper; 0:
+                               the paper has none */
+    double rms, similarity; /* against the truth of the area light */
+} bench_soft;
+
 typedef struct bench_row {
     char stage[48];
     char scene[48];
@@ -19,6 +27,7 @@ typedef struct bench_row {
     double limit_seconds;
     bench_times scalar;    /* of the reference; 0: not measured */
     double measured, goal; /* of goals and ratios; goal 0: none */
+    bench_soft soft;
 } bench_row;
 
 /* The machine, and the names of columns when tab-separated. */
@@ -34,5 +43,9 @@ void report_heading(bench_session *session, const char *heading);
  * goal; least: of the least times. at_least: larger values reach the goal. */
 void report_goal(bench_session *session, const bench_row *row, const char *unit, double least,
                  bool at_least);
+
+/* Before rows of soft shadows, and one of them. */
+void report_soft_heading(bench_session *session, const char *heading);
+void report_soft(bench_session *session, const bench_row *row);
 
 #endif
