@@ -14,7 +14,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { LIGHTS = 3, BIASES = 3, PICTURED = 1, RUNS = 2, sheet_columns = 6 };
+enum { LIGHTS = 3, BIASES = 3, PICTURED = 1, RUNS = 2 };
+enum { sheet_columns = 2 * BIASES };
 
 static const char *const bias_names[BIASES] = {"receiver-plane", "adaptive", "exact"};
 
@@ -36,9 +37,15 @@ typedef struct soft_state {
     soft_truth truths[LIGHTS];
     shb_image picture;
     contact_sheet sheet;
-    uint32_t placed; /* tiles of the sheet */
     unsigned files;
 } soft_state;
+
+/* One filter and one method of bias, and where they stand in their tables. */
+typedef struct soft_pair {
+    const shb_filter_method *method;
+    shb_bias bias;
+    uint32_t filter_number, bias_number;
+} soft_pair;
 
 static const scene_light *soft_scene_light(const soft_state *soft) {
     return &soft->scene->lights[SCENE_SPOT];
@@ -75,9 +82,9 @@ static bool open_soft(soft_state *soft) {
     map.view.reversed = true;
     soft->context = tool_create_context("soft", 0, SHB_ISA_BEST);
     soft->picture = (shb_image){malloc((size_t)width * height * 3), width, height, 0};
-    const bool room = soft->picture.pixels &&
-                      sheet_create(&soft->sheet, sheet_columns,
-                                   2 * (uint32_t)count * BIASES + sheet_columns, width, height);
+    const bool room =
+        soft->picture.pixels && sheet_create(&soft->sheet, sheet_columns,
+                                             ((uint32_t)count + 1) * sheet_columns, width, height);
     return soft->context && succeeds("pictures", room ? SHB_OK : SHB_ERROR_MEMORY) &&
            succeeds("light", scene_light_view(soft->scene, SCENE_SPOT, options->map_size, true,
                                               &map.view)) &&
@@ -112,8 +119,8 @@ static bool write_image(soft_state *soft, const shb_image *image, const char *na
     return tool_write_image("soft", image, path);
 }
 
-static bool write_tile(soft_state *soft, const char *name, const char *caption) {
-    sheet_place(&soft->sheet, soft->placed++, &soft->picture, 1, caption);
+static bool write_tile(soft_state *soft, uint32_t tile, const char *name, const char *caption) {
+    sheet_place(&soft->sheet, tile, &soft->picture, 1, caption);
     return write_image(soft, &soft->picture, name);
 }
 
@@ -129,35 +136,38 @@ static bool picture_truths(soft_state *soft) {
         char name[64], caption[64];
         snprintf(name, sizeof name, "soft-truth-%d", i);
         snprintf(caption, sizeof caption, "truth, light of %.2f", light_widths[i]);
-        if (!paint(soft, soft->truths[i].visibility) || !write_tile(soft, name, caption))
+        if (!paint(soft, soft->truths[i].visibility) ||
+            !write_tile(soft, (uint32_t)i, name, caption))
             return false;
     }
-    soft->placed = sheet_columns;
     return true;
 }
 
-static bool picture_method(soft_state *soft, const char *title, const shb_soft_errors *errors) {
+/* Picture and errors of the latest method, whose place is a row of the sheet for each filter and
+ * two columns for each bias. */
+static bool picture_method(soft_state *soft, const soft_pair *pair, const shb_soft_errors *errors) {
     const soft_truth *truth = &soft->truths[PICTURED];
+    const uint32_t tile = (pair->filter_number + 1) * sheet_columns + 2 * pair->bias_number;
     char name[128], caption[64];
-    snprintf(name, sizeof name, "soft-%s", title);
-    if (!paint(soft, truth->seen) || !write_tile(soft, name, title))
+    snprintf(name, sizeof name, "soft-%s-%s", pair->method->name, pair->bias.name);
+    if (!paint(soft, truth->seen) || !write_tile(soft, tile, name, pair->method->name))
         return false;
     soft_paint_errors(&soft->frame, truth, &soft->picture);
-    snprintf(name, sizeof name, "soft-%s-errors", title);
-    snprintf(caption, sizeof caption, "rms %.4f ssim %.4f", errors->rms, errors->similarity);
-    return write_tile(soft, name, caption);
+    snprintf(name, sizeof name, "soft-%s-%s-errors", pair->method->name, pair->bias.name);
+    snprintf(caption, sizeof caption, "%s %.4f %.4f", pair->bias.name, errors->rms,
+             errors->similarity);
+    return write_tile(soft, tile + 1, name, caption);
 }
 
 /* ---- the table ---- */
 
 /* The filter for a light of this width: those that know of lights have a parameter for it. */
 static bool make_filter(const shb_filter_method *method, double width, shb_filter *filter) {
+    char text[64];
+    snprintf(text, sizeof text, "%s:light=%g", method->name, width);
+    if (shb_filter_parse(text, filter) == SHB_OK)
+        return true;
     *filter = method->make();
-    for (int i = 0; i < SHB_PARAMS_MAX && method->param_names[i]; i++)
-        if (strncmp(method->param_names[i], "light", 5) == 0) {
-            filter->params[i] = (float)width;
-            return true;
-        }
     return false;
 }
 
@@ -181,37 +191,37 @@ static bool ask_map(soft_state *soft, const shb_bias *bias, const shb_filter *fi
     return true;
 }
 
-static bool show_pair(soft_state *soft, const shb_filter_method *method, const shb_bias *bias) {
-    char title[96];
-    snprintf(title, sizeof title, "%s-%s", method->name, bias->name);
-    printf("%-22s %-15s", method->name, bias->name);
+static bool show_pair(soft_state *soft, const soft_pair *pair) {
+    printf("%-22s %-15s", pair->method->name, pair->bias.name);
     double seconds = 0;
     for (int i = 0; i < LIGHTS; i++) {
         shb_filter filter;
         shb_soft_errors errors;
-        const bool knows_lights = make_filter(method, light_widths[i], &filter);
-        if (((i == 0 || knows_lights) && !ask_map(soft, bias, &filter, &seconds)) ||
-            !succeeds(title, soft_truth_compare(&soft->frame, &soft->truths[i], &errors)))
+        const bool knows_lights = make_filter(pair->method, light_widths[i], &filter);
+        if (((i == 0 || knows_lights) && !ask_map(soft, &pair->bias, &filter, &seconds)) ||
+            !succeeds(pair->method->name,
+                      soft_truth_compare(&soft->frame, &soft->truths[i], &errors)))
             return false;
         printf("  %8.1f %6.4f %6.4f", 1e9 * seconds / (double)soft->frame.fragment_count,
                errors.rms, errors.similarity);
-        if (i == PICTURED && !picture_method(soft, title, &errors))
+        if (i == PICTURED && !picture_method(soft, pair, &errors))
             return false;
     }
     printf("\n");
     return true;
 }
 
-static bool show_method(soft_state *soft, const shb_filter_method *method) {
-    bool done = true;
-    for (int i = 0; i < BIASES && done; i++) {
-        shb_bias bias;
-        const shb_filter filter = method->make();
-        done = succeeds(bias_names[i], shb_bias_parse(bias_names[i], &bias));
-        if (done && (filter.exact || !(bias.needs & SHB_NEEDS_OCCLUDERS)))
-            done = show_pair(soft, method, &bias);
+static bool show_method(soft_state *soft, uint32_t number, const shb_filter_method *method) {
+    const shb_filter filter = method->make();
+    for (uint32_t i = 0; i < BIASES; i++) {
+        soft_pair pair = {.method = method, .filter_number = number, .bias_number = i};
+        if (!succeeds(bias_names[i], shb_bias_parse(bias_names[i], &pair.bias)))
+            return false;
+        const bool is_served = filter.exact || !(pair.bias.needs & SHB_NEEDS_OCCLUDERS);
+        if (is_served && !show_pair(soft, &pair))
+            return false;
     }
-    return done;
+    return true;
 }
 
 static bool run_soft(soft_state *soft) {
@@ -227,8 +237,8 @@ static bool run_soft(soft_state *soft) {
     printf("\n");
     size_t count;
     const shb_filter_method *methods = shb_filter_methods(&count);
-    for (size_t i = 0; i < count; i++)
-        if (!show_method(soft, &methods[i]))
+    for (uint32_t i = 0; i < count; i++)
+        if (!show_method(soft, i, &methods[i]))
             return false;
     return write_image(soft, &soft->sheet.image, "soft");
 }
@@ -240,7 +250,7 @@ static bool read_options(int argc, char **argv, soft_options *options, int *exit
                               .scene = "tree",
                               .samples = 256,
                               .map_size = 1024,
-                              .size = {320, 240}};
+                              .size = {352, 264}};
     const argument_spec arguments[] = {
         {NULL, "OUTDIR", "where pictures go (build/out)", ARGUMENT_TEXT, &options->directory, 0, 0},
         {"--scene", "NAME|FILE", "built-in scene or OBJ file (tree)", ARGUMENT_TEXT,
@@ -249,7 +259,7 @@ static bool read_options(int argc, char **argv, soft_options *options, int *exit
          1, SHB_AREA_SAMPLES_MAX},
         {"--map-size", "N", "texels on a side (1024)", ARGUMENT_COUNT, &options->map_size, 8,
          SHB_SIZE_MAX},
-        {"--size", "WxH", "of the pictures (320x240)", ARGUMENT_SIZE, options->size, 8, 2048},
+        {"--size", "WxH", "of the pictures (352x264)", ARGUMENT_SIZE, options->size, 8, 2048},
         {"--help", NULL, "print this", ARGUMENT_FLAG, &options->help, 0, 0},
     };
     const size_t count = sizeof arguments / sizeof *arguments;
