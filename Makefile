@@ -32,10 +32,11 @@ SUPPORT_SRC := $(wildcard examples/support/*.c)
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/%,$(wildcard examples/*.c))
 TEST_SRC := $(wildcard tests/*.c tests/support/*.c)
 BENCH_SRC := $(wildcard tests/bench/*.c)
+PEER_SUPPORT_SRC := $(addprefix tests/bench/peers/,comparison.c world_mesh.c)
 STABILITY_SRC := $(wildcard tests/stability/*.c)
 
 object = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
-OBJECTS := $(call object,$(LIB_SRC) $(SUPPORT_SRC) $(TEST_SRC) $(BENCH_SRC) $(STABILITY_SRC) $(wildcard examples/*.c))
+OBJECTS := $(call object,$(LIB_SRC) $(SUPPORT_SRC) $(TEST_SRC) $(BENCH_SRC) $(STABILITY_SRC) $(wildcard examples/*.c tests/bench/peers/*.c))
 
 all: $(LIBRARY) $(EXAMPLES)
 
@@ -62,7 +63,7 @@ $(shell mkdir -p $(BUILD)/obj && echo '$(CC) $(FLAGS)' | cmp -s - $(STAMP) || ec
 
 $(BUILD)/obj/%.o: %.c $(STAMP)
 	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(FLAGS) $(if $(filter src/%,$<),,-Iexamples/support -Itests/support) -c -o $@ $<
+	$(Q)$(CC) $(FLAGS) $(if $(filter src/%,$<),,-Iexamples/support -Itests/support -Itests/bench) -c -o $@ $<
 
 demo: $(BUILD)/demo
 	$(Q)mkdir -p $(BUILD)/out
@@ -73,6 +74,27 @@ check: $(BUILD)/check $(EXAMPLES)
 
 bench: $(BUILD)/bench
 	$(Q)$(BUILD)/bench
+
+# Other renderers, as far as their packages are installed.
+PEER_LIBS_embree := -lembree3
+PEER_LIBS_llvmpipe := -lEGL -lGLESv2
+PEER_HEADER_embree := embree3/rtcore.h
+PEER_HEADER_llvmpipe := GLES3/gl3.h
+PEER_PACKAGES_embree := libembree-dev
+PEER_PACKAGES_llvmpipe := libegl-dev libgles-dev libegl-mesa0
+
+$(BUILD)/peers/%: $(BUILD)/obj/tests/bench/peers/%.o $(call object,$(PEER_SUPPORT_SRC) \
+		$(filter-out %/bench.c,$(BENCH_SRC)) $(SUPPORT_SRC)) $(LIBRARY)
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(PEER_LIBS_$*) $(LIBS)
+
+peers:
+	$(Q)$(foreach peer,embree llvmpipe, \
+		if echo '#include <$(PEER_HEADER_$(peer))>' | $(CC) -E - >/dev/null 2>&1; then \
+			$(MAKE) --no-print-directory $(BUILD)/peers/$(peer) && $(BUILD)/peers/$(peer); \
+		else \
+			echo "skipped $(peer): install $(PEER_PACKAGES_$(peer))"; \
+		fi;)
 
 stability: $(BUILD)/stability
 	$(Q)mkdir -p $(BUILD)/out
@@ -90,5 +112,5 @@ clean:
 format:
 	$(Q)clang-format -i $$(git ls-files '*.c' '*.h' '*.inl')
 
-.PHONY: all demo check bench stability install clean format
+.PHONY: all demo check bench peers stability install clean format
 -include $(OBJECTS:.o=.d)
