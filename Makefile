@@ -1,4 +1,4 @@
-# libshadowbias: make, make demo, make check, make bench,
+# libshadowbias: make, make demo, make check, make bench, make peers,
 #   make stability, make install.
 #   config=release|debug|sanitize|coverage   V=1 shows the commands   CC=clang   CFLAGS, PREFIX, DESTDIR
 
