@@ -10,6 +10,14 @@ static shb_filter make_pcf_smooth(void) {
     return shb_filter_pcf_smooth(2, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
 }
 
+static shb_filter make_jittered(void) {
+    return shb_filter_jittered(4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+}
+
+static shb_filter make_poisson(void) {
+    return shb_filter_poisson(16, 3, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+}
+
 static shb_filter variance(void) {
     return shb_filter_variance(5, 0.2f);
 }
@@ -26,6 +34,8 @@ static const shb_filter_method methods[] = {
     {"hard", "one tap", shb_filter_hard, {NULL}},
     {"pcf", "share of lit texels in a box", make_pcf, {"size", "unit", "taps"}},
     {"pcf-smooth", "the same with soft edges", make_pcf_smooth, {"size", "unit", "taps"}},
+    {"jittered", "16 taps, each in a cell of its own", make_jittered, {"size", "unit", "taps"}},
+    {"poisson", "taps on a disk", make_poisson, {"count", "radius", "unit", "taps"}},
     {"variance", "bound by mean and variance of distance", variance, {"size", "bleeding"}},
     {"exponential-variance",
      "the same for exponentials of distance",
@@ -49,12 +59,20 @@ static bool is_one_of_three(float value) {
 /* What a filter needs follows from its parameters. False for an unknown unit or taps. */
 static bool rebuild(shb_filter *filter, shb_filter (*make)(void)) {
     const float *p = filter->params;
-    if (make != make_pcf && make != make_pcf_smooth)
+    const float unit = p[make == make_poisson ? 2 : 1], taps = p[make == make_poisson ? 3 : 2];
+    if (make != make_pcf && make != make_pcf_smooth && make != make_jittered &&
+        make != make_poisson)
         return true;
-    if (!is_one_of_three(p[1]) || !is_one_of_three(p[2]))
+    if (!is_one_of_three(unit) || !is_one_of_three(taps))
         return false;
-    *filter = (make == make_pcf ? shb_filter_pcf : shb_filter_pcf_smooth)(p[0], (shb_unit)p[1],
-                                                                          (shb_taps)p[2]);
+    if (make == make_pcf)
+        *filter = shb_filter_pcf(p[0], (shb_unit)unit, (shb_taps)taps);
+    else if (make == make_pcf_smooth)
+        *filter = shb_filter_pcf_smooth(p[0], (shb_unit)unit, (shb_taps)taps);
+    else if (make == make_jittered)
+        *filter = shb_filter_jittered(p[0], (shb_unit)unit, (shb_taps)taps);
+    else
+        *filter = shb_filter_poisson(p[0], p[1], (shb_unit)unit, (shb_taps)taps);
     return true;
 }
 

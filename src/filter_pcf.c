@@ -1,5 +1,6 @@
-/* Percentage-closer filtering over boxes of texels: Reeves, Salesin and Cook, Rendering antialiased
- * shadows with depth maps, 1987; taps as in Ehm et al., Adaptive depth bias for soft shadows, 2015.
+/* Percentage-closer filtering over boxes of texels and over scattered ones: Reeves, Salesin and
+ * Cook, Rendering antialiased shadows with depth maps, 1987; taps as in Ehm et al., Adaptive depth
+ * bias for soft shadows, 2015.
  */
 #include "strict.h"
 
@@ -30,4 +31,26 @@ shb_filter shb_filter_pcf_smooth(float size, shb_unit unit, shb_taps taps) {
                         .filter = pcf_smooth,
                         .needs = needs_of(unit, taps),
                         .params = {size, (float)unit, (float)taps}};
+}
+
+static void jittered(const shb_filter_args *args) {
+    args->map->context->shade_kernels->jittered(args);
+}
+
+shb_filter shb_filter_jittered(float size, shb_unit unit, shb_taps taps) {
+    return (shb_filter){.name = "jittered",
+                        .filter = jittered,
+                        .needs = needs_of(unit, taps),
+                        .params = {size, (float)unit, (float)taps}};
+}
+
+static void poisson(const shb_filter_args *args) {
+    args->map->context->shade_kernels->poisson(args);
+}
+
+shb_filter shb_filter_poisson(float count, float radius, shb_unit unit, shb_taps taps) {
+    return (shb_filter){.name = "poisson",
+                        .filter = poisson,
+                        .needs = needs_of(unit, taps),
+                        .params = {count, radius, (float)unit, (float)taps}};
 }

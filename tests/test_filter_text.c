@@ -36,6 +36,13 @@ TEST(a_filter_reads_its_parameters_and_needs_what_they_ask_for) {
          SHB_NEEDS_SCALE},
         {"pcf:taps=2", shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_NAIVE), SHB_NEEDS_NORMAL},
         {"pcf:taps=1,unit=0", shb_filter_pcf(5, SHB_UNIT_DEPTH, SHB_TAPS_OWN), 0},
+        {"jittered", shb_filter_jittered(4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE), 0},
+        {"jittered:size=0.5,unit=2,taps=1", shb_filter_jittered(0.5f, SHB_UNIT_WORLD, SHB_TAPS_OWN),
+         SHB_NEEDS_SCALE},
+        {"poisson", shb_filter_poisson(16, 3, SHB_UNIT_TEXEL, SHB_TAPS_PLANE), 0},
+        {"poisson:count=25,radius=0.125,unit=2,taps=2",
+         shb_filter_poisson(25, 0.125f, SHB_UNIT_WORLD, SHB_TAPS_NAIVE),
+         SHB_NEEDS_SCALE | SHB_NEEDS_NORMAL},
         {"pcf-smooth", shb_filter_pcf_smooth(2, SHB_UNIT_TEXEL, SHB_TAPS_PLANE), 0},
         {"pcf-smooth:size=4,taps=2,unit=2",
          shb_filter_pcf_smooth(4, SHB_UNIT_WORLD, SHB_TAPS_NAIVE),
@@ -61,6 +68,9 @@ TEST(malformed_text_leaves_the_filter_alone) {
                          "pcf:taps=3",
                          "pcf:taps=-1",
                          "pcf-smooth:unit=7",
+                         "poisson:unit=4",
+                         "poisson:taps=4",
+                         "jittered:taps=9",
                          "hard:size=3"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         shb_filter filter = {.name = "untouched"};

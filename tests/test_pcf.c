@@ -1,5 +1,6 @@
 /* Filters of boxes of texels against a slow tap-by-tap reference, on maps and receivers that no
  * scene should have. */
+#include "../src/poisson.h"
 #include "../src/taps.h"
 
 #include "probe.h"
@@ -11,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { POINTS = 400 };
+enum { POINTS = 300 };
 
 typedef struct asked_map {
     shb_context *context;
@@ -106,9 +107,9 @@ static int size_of(const shb_filter_args *args, size_t i, int least) {
     return rounded_size(world ? params[0] / args->receivers->texel_size[i] : params[0], least);
 }
 
-static bool is_lit(const shb_filter_args *args, size_t i, int32_t x, int32_t y) {
+static bool is_lit(const shb_filter_args *args, float taps, size_t i, int32_t x, int32_t y) {
     const shb_receivers *r = args->receivers;
-    const bool own = args->filter->params[2] == SHB_TAPS_OWN;
+    const bool own = taps == SHB_TAPS_OWN;
     const float m = (float)(x - r->texel_x[i]), n = (float)(y - r->texel_y[i]);
     const float across = m * (own ? 0 : r->step_x[i]), down = n * (own ? 0 : r->step_y[i]);
     const float tap = (r->ref[i] + across) + down;
@@ -125,7 +126,7 @@ static void slow_pcf(const shb_filter_args *args) {
         const int top = first_of(r->texel_y[i], r->to_center_y[i], n);
         int lit = 0;
         for (int k = 0; k < n * n; k++)
-            lit += is_lit(args, i, left + k % n, top + k / n);
+            lit += is_lit(args, args->filter->params[2], i, left + k % n, top + k / n);
         args->visibility[i] = (float)((double)lit / (n * n));
     }
 }
@@ -146,9 +147,61 @@ static void slow_smooth(const shb_filter_args *args) {
             for (int column = -n; column <= n; column++) {
                 const double weight = covered(x, n, column) * covered(y, n, row);
                 if (weight > 0)
-                    lit += weight * is_lit(args, i, r->texel_x[i] + column, r->texel_y[i] + row);
+                    lit += weight * is_lit(args, args->filter->params[2], i, r->texel_x[i] + column,
+                                           r->texel_y[i] + row);
             }
         args->visibility[i] = (float)(lit / ((n - 1) * (n - 1)));
+    }
+}
+
+/* In floats, as the contract of reproducible taps has it: place, then whole texel. */
+static bool is_lit_at(const shb_filter_args *args, float taps, size_t i, float dx, float dy) {
+    const shb_receivers *r = args->receivers;
+    const float x = floorf((0.5f - r->to_center_x[i]) + dx);
+    const float y = floorf((0.5f - r->to_center_y[i]) + dy);
+    return is_lit(args, taps, i, r->texel_x[i] + (int)x, r->texel_y[i] + (int)y);
+}
+
+static float reach_of(const shb_filter_args *args, size_t i, float reach, float unit) {
+    const float wide = unit == SHB_UNIT_WORLD ? reach / args->receivers->texel_size[i] : reach;
+    return fminf(wide, 16384);
+}
+
+static void slow_poisson(const shb_filter_args *args) {
+    const shb_receivers *r = args->receivers;
+    const float *p = args->filter->params;
+    for (size_t i = 0; i < args->count; i++) {
+        const uint32_t turn = shb_position_hash(r->x[i], r->y[i], r->z[i]) % 64;
+        const float reach = reach_of(args, i, p[1], p[2]);
+        const float cosine = reach * (shb_poisson_turns[turn][0] / 16384.0f);
+        const float sine = reach * (shb_poisson_turns[turn][1] / 16384.0f);
+        int lit = 0;
+        for (int k = 0; k < (int)p[0]; k++) {
+            const float x = shb_poisson_disk[k][0] / 16384.0f;
+            const float y = shb_poisson_disk[k][1] / 16384.0f;
+            const float xx = cosine * x, xy = sine * y, yx = sine * x, yy = cosine * y;
+            lit += is_lit_at(args, p[3], i, xx - xy, yx + yy);
+        }
+        args->visibility[i] = (float)((double)lit / (double)p[0]);
+    }
+}
+
+/* A linear congruential sequence from the hash on; its upper two bytes are the place in the cell.
+ */
+static void slow_jittered(const shb_filter_args *args) {
+    const shb_receivers *r = args->receivers;
+    const float *p = args->filter->params;
+    for (size_t i = 0; i < args->count; i++) {
+        uint32_t hash = shb_position_hash(r->x[i], r->y[i], r->z[i]);
+        const float cell = reach_of(args, i, p[0] / 2, p[1]) / 2;
+        int lit = 0;
+        for (int k = 0; k < 16; k++) {
+            hash = 1664525u * hash + 1013904223u;
+            const float x = (float)(k % 4 - 2) + (float)(hash >> 24) / 256;
+            const float y = (float)(k / 4 - 2) + (float)(hash >> 16 & 255) / 256;
+            lit += is_lit_at(args, p[2], i, cell * x, cell * y);
+        }
+        args->visibility[i] = (float)lit / 16;
     }
 }
 
@@ -188,6 +241,18 @@ static void check_filter(const asked_map *maps, int map_count, const shb_filter 
 
 enum { ISAS = SHB_ISA_COUNT - SHB_ISA_SCALAR };
 
+static void open_maps(bool spot, bool reversed, shb_format format, uint32_t width, uint32_t height,
+                      asked_map maps[ISAS]) {
+    for (int i = 0; i < ISAS; i++)
+        maps[i] =
+            open_map((shb_isa)(SHB_ISA_SCALAR + i), view_of(spot, reversed), format, width, height);
+}
+
+static void close_maps(asked_map maps[ISAS]) {
+    for (int i = 0; i < ISAS; i++)
+        close_map(&maps[i]);
+}
+
 static void check_isas(bool spot, bool reversed, shb_format format, uint32_t width, uint32_t height,
                        const float *sizes, int size_count) {
     asked_map maps[ISAS];
@@ -202,8 +267,7 @@ static void check_isas(bool spot, bool reversed, shb_format format, uint32_t wid
         check_filter(maps, ISAS, &box, slow_pcf, 0);
         check_filter(maps, ISAS, &smooth, slow_smooth, 2e-6);
     }
-    for (int i = 0; i < ISAS; i++)
-        close_map(&maps[i]);
+    close_maps(maps);
 }
 
 TEST(pcf_agrees_with_tap_by_tap_reading_for_every_size_and_isa) {
@@ -316,4 +380,82 @@ TEST(pcf_decodes_unorm_depths_to_the_bits_of_fetch) {
         CHECK_INT(wrong, 0);
         close_map(&made);
     }
+}
+
+static void check_scattered(bool spot, bool reversed, shb_format format, uint32_t size) {
+    const shb_filter disks[] = {shb_filter_poisson(1, 5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                shb_filter_poisson(16, 3, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                shb_filter_poisson(25, 0.2f, SHB_UNIT_WORLD, SHB_TAPS_OWN),
+                                shb_filter_poisson(256, 40, SHB_UNIT_DEPTH, SHB_TAPS_PLANE),
+                                shb_filter_poisson(7, 1e30f, SHB_UNIT_TEXEL, SHB_TAPS_PLANE)};
+    const shb_filter grids[] = {shb_filter_jittered(4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                shb_filter_jittered(11.5f, SHB_UNIT_TEXEL, SHB_TAPS_OWN),
+                                shb_filter_jittered(0.4f, SHB_UNIT_WORLD, SHB_TAPS_PLANE),
+                                shb_filter_jittered(1e30f, SHB_UNIT_WORLD, SHB_TAPS_PLANE)};
+    asked_map maps[ISAS];
+    open_maps(spot, reversed, format, size, size, maps);
+    for (size_t i = 0; i < sizeof disks / sizeof *disks; i++)
+        check_filter(maps, ISAS, &disks[i], slow_poisson, 0);
+    for (size_t i = 0; i < sizeof grids / sizeof *grids; i++)
+        check_filter(maps, ISAS, &grids[i], slow_jittered, 0);
+    close_maps(maps);
+}
+
+TEST(scattered_taps_agree_with_tap_by_tap_reading) {
+    check_scattered(false, false, SHB_FORMAT_FLOAT32, 64);
+    check_scattered(true, true, SHB_FORMAT_FLOAT32, 64);
+    check_scattered(true, false, SHB_FORMAT_UNORM16, 33);
+    check_scattered(false, true, SHB_FORMAT_UNORM24, 1);
+}
+
+TEST(scattered_taps_without_reach_are_hard) {
+    static float positions[3 * POINTS], normals[3 * POINTS];
+    random_points(positions, normals, 8);
+    asked_map made = open_map(SHB_ISA_BEST, view_of(true, false), SHB_FORMAT_FLOAT32, 40, 40);
+    const shb_bias bias = shb_bias_receiver_plane(1e-5f);
+    const shb_filter hard = shb_filter_hard();
+    const shb_filter filters[] = {shb_filter_poisson(0, 9, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_poisson(16, 0, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_poisson(NAN, NAN, SHB_UNIT_WORLD, SHB_TAPS_PLANE),
+                                  shb_filter_poisson(9, -1, SHB_UNIT_WORLD, SHB_TAPS_PLANE),
+                                  shb_filter_jittered(0, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_jittered(NAN, SHB_UNIT_TEXEL, SHB_TAPS_PLANE)};
+    float expected[POINTS], actual[POINTS];
+    ask(&made, positions, normals, POINTS, &bias, &hard, expected);
+    for (int i = 0; i < 6; i++) {
+        ask(&made, positions, normals, POINTS, &bias, &filters[i], actual);
+        CHECK(memcmp(expected, actual, sizeof expected) == 0);
+    }
+    close_map(&made);
+}
+
+/* A map lit on the left of column 32 and dark on its right. A disk in its middle is half lit; a box
+ * of 20 texels whose middle is 2.5 texels to the right of the edge, which runs through the cells
+ * there, is lit by 7.5 / 20. Neighbours take other turns and places. */
+TEST(scattered_taps_share_an_edge) {
+    asked_map made = open_map(SHB_ISA_BEST, view_of(false, false), SHB_FORMAT_FLOAT32, 64, 64);
+    for (int i = 0; i < 64 * 64; i++)
+        made.texels[i] = i % 64 < 32 ? 1 : 0;
+    const shb_bias none = shb_bias_none();
+    const shb_filter filters[] = {shb_filter_poisson(64, 10, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_jittered(20, SHB_UNIT_TEXEL, SHB_TAPS_PLANE)};
+    const double shares[] = {0.5, 0.375};
+    for (int k = 0; k < 2; k++) {
+        float positions[3 * 64] = {0}, seen[64];
+        double sum = 0;
+        int changes = 0;
+        for (int i = 0; i < 64; i++) {
+            positions[3 * i] = k ? 2.5f / 32 : 0;
+            positions[3 * i + 1] = (float)(i - 32) / 100;
+        }
+        ask(&made, positions, NULL, 64, &none, &filters[k], seen);
+        for (int i = 0; i < 64; i++) {
+            CHECK_NEAR(seen[i], shares[k], 0.26);
+            sum += (double)seen[i] / 64;
+            changes += i && seen[i] != seen[i - 1];
+        }
+        CHECK_NEAR(sum, shares[k], 0.03);
+        CHECK(changes > 20);
+    }
+    close_map(&made);
 }

@@ -83,6 +83,16 @@ shb_filter shb_filter_pcf(float size, shb_unit unit, shb_taps taps);
  * texels, SHB_TAPS_PLANE. */
 shb_filter shb_filter_pcf_smooth(float size, shb_unit unit, shb_taps taps);
 
+/* "jittered": 16 taps in the cells of a grid of 4 x 4 over a box of size x size texels or world
+ * units around the fragment, each at a place in its cell that a hash of the fragment's position
+ * decides (Weiskopf and Ertl 2003, section 5). Default: 4 texels, SHB_TAPS_PLANE. */
+shb_filter shb_filter_jittered(float size, shb_unit unit, shb_taps taps);
+
+/* "poisson": count taps, 1 .. SHB_POISSON_MAX, on a disk of the radius in texels or world units
+ * around the fragment, turned by a hash of its position. The first tap is the fragment's own texel.
+ * Default: 16 taps, 3 texels, SHB_TAPS_PLANE. */
+shb_filter shb_filter_poisson(float count, float radius, shb_unit unit, shb_taps taps);
+
 /* Filters over the moments of distance. They are prepared (SHB_NEEDS_PREPARED) and serve methods
  * that ask no occluders. What they share:
  * - Distance grows evenly from 0 at the near plane to 1 at the far plane, or for a central

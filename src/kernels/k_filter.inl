@@ -203,10 +203,7 @@ static NEVER_INLINE float count_copy(box_batch *batch, size_t i) {
 static float weigh_one(const box_batch *batch, size_t i, const texel_box *b) {
     const int n = batch->size[i];
     double lit;
-    if (n == 2 && batch->kind != TAPS_GIVEN)
-        lit = batch->reversed ? NARROWLY(weigh_box)(batch, i, b, 2, TAPS_PLANE, true)
-                              : NARROWLY(weigh_box)(batch, i, b, 2, TAPS_PLANE, false);
-    else if (batch->kind != TAPS_GIVEN)
+    if (batch->kind != TAPS_GIVEN)
         lit = batch->reversed ? WIDELY(weigh_box)(batch, i, b, n, TAPS_PLANE, true)
                               : WIDELY(weigh_box)(batch, i, b, n, TAPS_PLANE, false);
     else
@@ -312,7 +309,7 @@ static void pcf(const shb_filter_args *args) {
     fill_lanes(args->count, args->visibility);
 }
 
-static void pcf_smooth(const shb_filter_args *args) {
+static void smooth_boxes(const shb_filter_args *args) {
     box_batch batch;
     box_batch_init(args, 2, &batch);
     for (size_t i = 0; i < args->count; i++) {

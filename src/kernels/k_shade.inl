@@ -19,6 +19,8 @@
 
 #include "k_filter.inl"
 
+#include "k_scatter.inl"
+
 #include "k_surface.inl"
 
 #include "k_fragments.inl"
@@ -31,6 +33,8 @@ const shb_shade_kernels SHADE_KERNELS = {
     .hard = hard,
     .pcf = pcf,
     .pcf_smooth = pcf_smooth,
+    .jittered = jittered,
+    .poisson = poisson,
     .own_depth = own_depth,
     .constant = constant_depth,
     .slope = slope_depth,

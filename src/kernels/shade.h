@@ -33,8 +33,8 @@ typedef struct shb_shade_kernels {
     void (*hard)(const shb_map *map, size_t count, const shb_receivers *receivers,
                  float *visibility);
 
-    /* Filters of boxes of texels. */
-    shb_filter_fn *pcf, *pcf_smooth;
+    /* Filters of boxes of texels, and of scattered ones. */
+    shb_filter_fn *pcf, *pcf_smooth, *jittered, *poisson;
 
     /* The stages of the built-in methods. */
     void (*own_depth)(size_t count, shb_receivers *receivers);
