@@ -30,6 +30,14 @@ static shb_filter moments(void) {
     return shb_filter_moments(5);
 }
 
+static shb_filter backprojection(void) {
+    return shb_filter_backprojection(1, 32);
+}
+
+static shb_filter bitmask(void) {
+    return shb_filter_bitmask(1, 32, 64);
+}
+
 static const shb_filter_method methods[] = {
     {"hard", "one tap", shb_filter_hard, {NULL}},
     {"pcf", "share of lit texels in a box", make_pcf, {"size", "unit", "taps"}},
@@ -42,6 +50,14 @@ static const shb_filter_method methods[] = {
      exponential_variance,
      {"size", "positive", "negative", "bleeding"}},
     {"moments", "bound by four moments of distance", moments, {"size"}},
+    {"backprojection",
+     "sum of what texels cover of a square light",
+     backprojection,
+     {"light", "window"}},
+    {"bitmask",
+     "samples of a square light that no texel covers",
+     bitmask,
+     {"light", "window", "samples"}},
 };
 
 enum { METHOD_COUNT = sizeof methods / sizeof *methods };

@@ -72,11 +72,11 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
     cross3(p.row_z, p.row_w, p.z_cross_w);
     cross3(p.row_x, p.row_z, p.x_cross_z);
 
-    const double texel_x = texel_width(p.row_x, p.row_w, p.width);
-    const double texel_y = texel_width(p.row_y, p.row_w, p.height);
-    p.texel_scale = texel_x > texel_y ? texel_x : texel_y;
+    p.texel_width = texel_width(p.row_x, p.row_w, p.width);
+    p.texel_height = texel_width(p.row_y, p.row_w, p.height);
+    p.texel_scale = p.texel_width > p.texel_height ? p.texel_width : p.texel_height;
     p.depth_scale = depth_scale(&p);
-    if (!is_positive(texel_x) || !is_positive(texel_y) || !is_positive(p.depth_scale))
+    if (!is_positive(p.texel_width) || !is_positive(p.texel_height) || !is_positive(p.depth_scale))
         return SHB_ERROR_NUMBER;
     *projection = p;
     return SHB_OK;

@@ -129,6 +129,27 @@ shb_filter shb_filter_exponential_variance(int size, float positive, float negat
  * the box. 16 bytes a texel. Default: size 5. */
 shb_filter shb_filter_moments(int size);
 
+/* Filters by backprojection. They are prepared and serve methods that ask no occluders. The light
+ * is a square in the plane of the light's position, parallel to the map and turned as its rows are;
+ * light_size is its width in world units, or, for a light at infinity, the width at the distance of
+ * one unit (twice the tangent of half the angle). Every texel of the map in front of the receiver
+ * plane is a quad parallel to the light, and covers what of the light the fragment sees behind it;
+ * a quad that lies apart from its left or upper neighbour is extended to it. Texels are searched in
+ * the window that the light spans at the nearest of them, at most window x window (4 .. 64): where
+ * it ought to be larger, quads of several texels take the depth of their middle one. Exactly 1
+ * where nothing is in front, exactly 0 where quads without overlap cover the light. shb_map_prepare
+ * keeps least depths, some 1/12 byte a texel, and fails with SHB_ERROR_ARGUMENT for a light_size
+ * that is not above 0 and finite or another parameter out of range. */
+
+/* "backprojection": 1 less the sum of the areas (Guennebaud, Barthe and Paulin 2006), at least 0:
+ * what quads cover twice counts twice. Sides are rounded to 1/1024 of the light. Default of tools:
+ * light 1, window 32. */
+shb_filter shb_filter_backprojection(float light_size, int window);
+
+/* "bitmask": the part of 64 or 256 samples of the light that no quad covers (Schwarz and Stamminger
+ * 2007). Default of tools: light 1, window 32, samples 64. */
+shb_filter shb_filter_bitmask(float light_size, int window, int samples);
+
 /* One built-in filter for tools: its default value and the names of its parameters. */
 typedef struct shb_filter_method {
     const char *name;
