@@ -109,22 +109,21 @@ static void set_quads(shb_quad_window *w, const shb_texel_box *box) {
  * fragment's plane; 0 elsewhere. */
 static void read_inverses(const shb_quad_window *w, int32_t quad_y, float *inverses) {
     const shb_backprojection *p = w->projection;
-    const size_t count = (size_t)w->columns + 1;
+    const size_t count = (size_t)w->columns;
     const int32_t row = quad_y * w->stride + w->stride / 2;
     const float plane = w->ref + (float)(row - w->texel_y) * w->step_y;
     int32_t columns[SHB_WINDOW_BUFFER] = {0}, rows[SHB_WINDOW_BUFFER] = {0};
     float depths[SHB_WINDOW_BUFFER];
     for (size_t i = 0; i < count; i++) {
-        columns[i] = (w->first_x + (int32_t)i - 1) * w->stride + w->stride / 2;
+        columns[i] = (w->first_x + (int32_t)i) * w->stride + w->stride / 2;
         rows[i] = row;
     }
     w->map->context->shade_kernels->fetch(w->map, count, columns, rows, depths);
     for (size_t i = 0; i < count; i++) {
         const float limit = plane + (float)(columns[i] - w->texel_x) * w->step_x;
-        const bool blocks = (depths[i] < limit) & (depths[i] < w->depth);
         const float depth = depths[i] > p->near_depth ? depths[i] : p->near_depth;
         const float difference = w->depth - depth;
-        inverses[i] = blocks & (difference > 0) ? 1 / difference : 0;
+        inverses[i] = (depths[i] < limit) & (difference > 0) ? 1 / difference : 0;
     }
 }
 
@@ -157,7 +156,7 @@ bool shb_quad_window_open(const shb_backprojection *projection, const shb_map *m
     }
     box = box_around(w, w->depth - nearest);
     set_quads(w, &box);
-    read_inverses(w, w->first_y - 1, w->above);
+    memset(w->here, 0, (size_t)w->columns * sizeof *w->here);
     return true;
 }
 
@@ -188,11 +187,10 @@ static bool all_are_zero(const float *values, size_t count) {
 bool shb_quad_window_read(shb_quad_window *window, int32_t row, float parts, shb_quad_row *quads) {
     shb_quad_window *w = window;
     const size_t count = (size_t)w->columns;
-    if (row > 0)
-        memcpy(w->above, w->here, (count + 1) * sizeof *w->here);
+    memcpy(w->above, w->here, count * sizeof *w->here);
     const int32_t quad_y = w->first_y + row;
     read_inverses(w, quad_y, w->here);
-    if (all_are_zero(w->here + 1, count))
+    if (all_are_zero(w->here, count))
         return false;
     const int32_t stride = w->stride;
     const float to_x = w->to_center_x - 0.5f, to_y = w->to_center_y - 0.5f;
@@ -203,10 +201,10 @@ bool shb_quad_window_read(shb_quad_window *window, int32_t row, float parts, shb
         const int32_t quad_x = w->first_x + (int32_t)i;
         const float left = ((float)(quad_x * stride - w->texel_x) + to_x) * unit_x;
         const float right = ((float)((quad_x + 1) * stride - w->texel_x) + to_x) * unit_x;
-        const float inverse = w->here[i + 1];
-        quads->x0[i] = part_of_light(begin_of(left, inverse, w->here[i]), parts);
+        const float inverse = w->here[i], before = i > 0 ? w->here[i - 1] : 0;
+        quads->x0[i] = part_of_light(begin_of(left, inverse, before), parts);
         quads->x1[i] = part_of_light(right * inverse, parts);
-        quads->y0[i] = part_of_light(begin_of(top, inverse, w->above[i + 1]), parts);
+        quads->y0[i] = part_of_light(begin_of(top, inverse, w->above[i]), parts);
         quads->y1[i] = part_of_light(bottom * inverse, parts);
     }
     return true;

@@ -20,7 +20,7 @@
 #include "depth_minima.h"
 
 /* Sides of windows, in quads; a larger window has quads of several texels. */
-enum { SHB_WINDOW_MIN = 4, SHB_WINDOW_MAX = 64, SHB_WINDOW_BUFFER = SHB_WINDOW_MAX + 2 };
+enum { SHB_WINDOW_MIN = 4, SHB_WINDOW_MAX = 64, SHB_WINDOW_BUFFER = SHB_WINDOW_MAX + 1 };
 
 typedef struct shb_backprojection {
     shb_depth_minima minima;
@@ -47,8 +47,9 @@ typedef struct shb_quad_window {
     float depth;               /* of the plane at its own place */
     int32_t first_x, first_y;  /* quad */
     int32_t columns, rows, stride;
-    float above[SHB_WINDOW_BUFFER], here[SHB_WINDOW_BUFFER]; /* 1 / difference of depth, 0: none;
-                                                                from the quad left of the first */
+    /* 1 / difference of depth of the quads of the row that is read and the one above; 0: none. What
+     * lies before the window never reaches into the light. */
+    float above[SHB_WINDOW_BUFFER], here[SHB_WINDOW_BUFFER];
 } shb_quad_window;
 
 /* False if nothing is in front of fragment index: it is lit. */

@@ -113,6 +113,16 @@ TEST(a_quarter_is_counted_exactly) {
     CHECK(ask(depths, shb_filter_bitmask(0.25f, 64, 256), 0, 0) == 0.75);
 }
 
+/* Everything but the lower right quarter: from (1/4, -1/4) three quarters of the light are seen on
+ * each axis. The corner's own empty quad has neighbours that block on both sides. */
+TEST(a_corner_lets_its_part_through) {
+    float depths[SIZE * SIZE];
+    fill(depths, 0.25f);
+    fill_box(depths, SIZE / 2, SIZE / 2, SIZE, SIZE, 1);
+    CHECK(ask(depths, shb_filter_backprojection(0.25f, 64), 0.25, -0.25) == 9 / 16.0);
+    CHECK(ask(depths, shb_filter_bitmask(0.25f, 64, 256), 0.25, -0.25) == 9 / 16.0);
+}
+
 /* Left of 0 at depth 1/4, the light one unit wide there; 0 .. 1/4 at depth 1/2, where it is half a
  * unit wide. From 1/16 the one covers 0 .. 7/16 of the light and the other 3/8 .. 7/8: the areas
  * add up to 15/16 and overlap by 1/16. Of 64 columns of samples the first 56 are covered. */
