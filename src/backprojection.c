@@ -123,7 +123,8 @@ static void read_inverses(const shb_quad_window *w, int32_t quad_y, float *inver
         const float limit = plane + (float)(columns[i] - w->texel_x) * w->step_x;
         const float depth = depths[i] > p->near_depth ? depths[i] : p->near_depth;
         const float difference = w->depth - depth;
-        inverses[i] = (depths[i] < limit) & (difference > 0) ? 1 / difference : 0;
+        const bool blocks = (depths[i] < limit) & (difference > 0);
+        inverses[i] = blocks ? 1 / difference : 0;
     }
 }
 
