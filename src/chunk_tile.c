@@ -45,7 +45,9 @@ typedef struct tile_job {
     const shb_chunks *chunks;
     grid grid;
     shb_chunk_bins bins;
-    shb_layers *lanes;  /* NULL when tiles are drawn directly */
+    shb_layers *lanes; /* NULL when tiles are drawn directly */
+    float *cells;      /* tile_cells of each lane */
+    size_t tile_cells;
     atomic_size_t next; /* row of tiles that nobody has begun */
 } tile_job;
 
@@ -128,9 +130,11 @@ static void *texel_at(void *texels, size_t stride, const shb_samples *samples) {
 /* A tile's layers: parts of the images, or the lane's own. */
 static shb_layers layers_of(const tile_job *job, size_t lane, shb_samples samples) {
     const shb_draw_desc *desc = job->desc;
+    float *const cells = job->cells ? job->cells + lane * job->tile_cells : NULL;
     if (!job->grid.direct) {
         shb_layers layers = job->lanes[lane];
         layers.samples = samples;
+        layers.cells = cells;
         return layers;
     }
     const size_t stride = desc->depth.stride ? desc->depth.stride : (size_t)desc->width * 4;
@@ -140,6 +144,7 @@ static shb_layers layers_of(const tile_job *job, size_t lane, shb_samples sample
         .nearest = texel_at(desc->depth.texels, stride, &samples),
         .second = texel_at(desc->second.texels, stride, &samples),
         .ids = texel_at(desc->ids, stride, &samples),
+        .cells = cells,
     };
 }
 
@@ -211,6 +216,7 @@ static void draw_tile(tile_job *job, size_t lane, size_t number) {
     const shb_layers layers = layers_of(job, lane, tile_samples(job, number));
     const shb_tile tile = shb_layers_tile(&layers);
     shb_layers_clear(&layers, job->desc->view->reversed);
+    shb_cells_clear(&tile, job->desc->view->reversed);
     draw_binned(job, number, &tile);
     draw_coded(job, &layers);
     shb_layers_store(&layers, job->desc);
@@ -231,10 +237,14 @@ static bool draw_tiles(shb_context *context, tile_job *job) {
         return false;
     const size_t rows = job->bins.rows;
     const size_t lanes = rows < context->threads ? rows : context->threads;
+    const shb_tile_shape shape = job->grid.shape;
+    const size_t width = (size_t)1 << shape.column_bits, height = (size_t)1 << shape.row_bits;
+    job->tile_cells = shb_cells_count(width, height);
+    job->cells = shb_cells_reserve(context, lanes, width, height);
+    if (!job->cells)
+        return false;
     if (!job->grid.direct) {
-        job->lanes =
-            shb_layers_reserve(context, job->desc, lanes, (size_t)1 << job->grid.shape.column_bits,
-                               (size_t)1 << job->grid.shape.row_bits);
+        job->lanes = shb_layers_reserve(context, job->desc, lanes, width, height);
         if (!job->lanes)
             return false;
     }

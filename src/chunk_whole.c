@@ -28,6 +28,8 @@ shb_tile shb_layers_tile(const shb_layers *layers) {
         .second = layers->second,
         .ids = layers->ids,
         .stride = (ptrdiff_t)layers->pitch,
+        .cells = layers->cells,
+        .cell_stride = (ptrdiff_t)shb_cells_stride((size_t)width),
         .x0 = samples->first_column,
         .y0 = samples->first_row,
         .right = samples->last_column + 1,
@@ -43,6 +45,7 @@ static void run_lane(void *arg, size_t index) {
     const size_t count = job->chunks->count;
     uint64_t drawn = 0;
     shb_layers_clear(&job->lanes[index], job->reversed);
+    shb_cells_clear(&tile, job->reversed);
     for (size_t first; (first = atomic_fetch_add(&job->next, CHUNKS_AT_ONCE)) < count;)
         for (size_t i = first; i < count && i < first + CHUNKS_AT_ONCE; i++)
             drawn += job->kernels->draw(&chunks[i], &tile);
@@ -115,6 +118,11 @@ bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const
             job.lanes[lane].samples = layers->samples;
         }
     }
+    float *cells = shb_cells_reserve(context, job.lane_count, desc->width, rows);
+    if (!cells)
+        return false;
+    for (size_t lane = 0; lane < job.lane_count; lane++)
+        job.lanes[lane].cells = cells + lane * shb_cells_count(desc->width, rows);
     atomic_init(&job.next, 0);
     shb_parallel_for(context, run_lane, &job, job.lane_count);
     if (job.lane_count > 1)

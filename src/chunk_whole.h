@@ -4,6 +4,7 @@
 #ifndef SRC_CHUNK_WHOLE_H
 #define SRC_CHUNK_WHOLE_H
 
+#include "cells.h"
 #include "chunk.h"
 #include "layers.h"
 

@@ -14,6 +14,7 @@ typedef struct shb_layers {
     float *nearest;
     float *second; /* NULL: not wanted */
     uint32_t *ids; /* NULL: not wanted */
+    float *cells;  /* for the kernels: bounds of the depth in squares of SHB_CELL samples */
 } shb_layers;
 
 /* Layers of pitch * rows samples for each of count lanes, in the context's scratch, with what the

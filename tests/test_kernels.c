@@ -211,3 +211,65 @@ TEST(kernels_read_16_bit_indices_and_strides_like_the_scalar_code) {
     const shb_instance instance = {.mesh = &mesh, .cull = SHB_CULL_FRONT};
     check_all_agree(&(scene_case){{&instance, 1}, orthographic(false), 128, 128});
 }
+
+/* A triangle with its corners on the plane of that height, seen from above by `down`. */
+static void set_level(float *p, float height, const float corners[6]) {
+    for (int i = 0; i < 3; i++) {
+        p[3 * i] = corners[2 * i];
+        p[3 * i + 1] = corners[2 * i + 1];
+        p[3 * i + 2] = height;
+    }
+}
+
+/* Two units are the target's width and height. */
+static shb_view looking_down(bool reversed) {
+    shb_view view = {0};
+    CHECK_INT(shb_view_orthographic((shb_vec3){0, 0, 5}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0},
+                                    1, 1, 1, 9, reversed, &view),
+              SHB_OK);
+    return view;
+}
+
+/* Triangles over most of the target, one behind or before the other, some at equal heights: what
+ * hides whole cells of those that come later, in any order. */
+TEST(kernels_leave_out_what_lies_behind_like_the_scalar_code) {
+    enum { TRIANGLES = 60 };
+    float positions[TRIANGLES * 9];
+    test_random random = {12};
+    for (int order = 0; order < 3; order++)
+        for (int reversed = 0; reversed < 2; reversed++) {
+            for (int t = 0; t < TRIANGLES; t++) {
+                const float heights[3] = {(float)t * 0.05f, (float)-t * 0.05f,
+                                          (float)random_below(&random, 4) * 0.5f};
+                float corners[6];
+                for (int i = 0; i < 6; i++)
+                    corners[i] = (float)random_double(&random, -3, 3);
+                set_level(positions + 9 * t, heights[order], corners);
+                if (t % 3 == 0)
+                    positions[9 * t + 2] += 0.3f;
+            }
+            const shb_mesh mesh = {
+                .positions = positions, .vertex_count = 3 * TRIANGLES, .triangle_count = TRIANGLES};
+            const shb_instance instance = {.mesh = &mesh};
+            check_all_agree(&(scene_case){{&instance, 1}, looking_down(reversed), 208, 176});
+            check_all_agree(&(scene_case){{&instance, 1}, looking_down(reversed), 75, 330});
+        }
+}
+
+/* Triangle 0 is a strip across the target that ends 75 targets away: so thin for its box that its
+ * depth is evaluated in double, which the kernels do after the triangles in float. Triangle 1
+ * covers the target at the same height. Where both lie the lower id is to be seen. */
+TEST(kernels_keep_the_lower_id_where_a_bound_of_depth_is_met) {
+    float positions[2 * 9];
+    set_level(positions, 0, (const float[6]){-75, -75, 75, 74.5f, 74.5f, 75});
+    set_level(positions + 9, 0, (const float[6]){-3, -3, 9, -3, -3, 9});
+    const shb_mesh mesh = {.positions = positions, .vertex_count = 6, .triangle_count = 2};
+    const shb_instance instance = {.mesh = &mesh};
+    const scene_case drawn = {{&instance, 1}, looking_down(false), 208, 208};
+    check_all_agree(&drawn);
+    picture made = draw_picture(&drawn, SHB_ISA_BEST, 1, 0);
+    for (int i = 0; i < 208; i++)
+        CHECK_INT(made.ids[i * 208 + (207 - i)], 0);
+    CHECK_INT(made.ids[0], 1);
+    free_picture(&made);
+}

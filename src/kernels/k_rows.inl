@@ -2,6 +2,15 @@
 
 #define W(name) SHB_JOIN(name, LANES)
 
+/* Draws some of a block's cells, for draw_large. */
+#define FOR_CELLS(cells, covered)                                                                  \
+    for (uint64_t set = (cells); set; set &= set - 1) {                                            \
+        const int32_t c = __builtin_ctzll(set);                                                    \
+        W(draw_square)                                                                             \
+        (tile, layers, boxes, planes, t, id, plain, covered, SHB_CELL, &edges, &part, left, top,   \
+         c % BLOCK_CELLS * SHB_CELL, c / BLOCK_CELLS * SHB_CELL);                                  \
+    }
+
 /* Merges one vector of samples into the tile; edges is negative outside the triangle. At equal
  * depth the lower id wins, so that the order of triangles does not matter. */
 static inline __attribute__((always_inline)) void
@@ -29,10 +38,10 @@ W(merge)(const shb_tile *tile, int layers, ptrdiff_t at, W(wi) edges, W(wf) z, W
 }
 
 /* Samples of a block: columns left .. right - 1, rounded up to whole vectors, rows top .. bottom
- * - 1. edges counts from (left, top). */
+ * - 1. edges counts from (left, top); covered: all are inside. */
 static inline __attribute__((always_inline)) void
 W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
-              const chunk_planes *planes, int t, uint32_t triangle, bool plain,
+              const chunk_planes *planes, int t, uint32_t triangle, bool plain, bool covered,
               const block_edges *edges, int32_t left, int32_t top, int32_t right, int32_t bottom) {
     const W(wi) id = W(wi_splat)((int32_t)triangle);
     W(wi) row[3], step_x[3], step_y[3];
@@ -57,7 +66,8 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
                 plain ? W(wf_add)(base, W(wf_mul)(depth_x, column))
                       : W(wf_plane)(careful_base, planes->step_x[t], (double)(first_column + i),
                                     planes->lo[t], planes->hi[t]);
-            W(merge)(tile, layers, at, W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]), z, id);
+            const W(wi) outside = W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]);
+            W(merge)(tile, layers, at, covered ? W(wi_splat)(0) : outside, z, id);
             for (int k = 0; k < 3; k++)
                 edge[k] = W(wi_add)(edge[k], step_x[k]);
             column = W(wf_add)(column, W(wf_splat)((float)LANES));
@@ -92,8 +102,28 @@ static inline __attribute__((always_inline)) void W(draw_small)(const shb_tile *
         edges.value[k] = planes->edge[k][t] + edges.step_x[k] * i + edges.step_y[k] * j;
     }
     W(draw_block)
-    (tile, layers, boxes, planes, t, id, plain, &edges, part.left, part.top, part.right,
+    (tile, layers, boxes, planes, t, id, plain, false, &edges, part.left, part.top, part.right,
      part.bottom);
+}
+
+/* A cell, or a whole block of them, that starts column and row samples from the block's corner:
+ * what of it lies in the part of the box. size is a constant where this is inlined. */
+static inline __attribute__((always_inline)) void
+W(draw_square)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
+               const chunk_planes *planes, int t, uint32_t id, bool plain, bool covered,
+               int32_t size, const block_edges *block, const sample_rectangle *part, int32_t left,
+               int32_t top, int32_t column, int32_t row) {
+    const int32_t x = left + column, y = top + row, first = MAX(y, part->top);
+    if (x >= part->right || x + size <= part->left)
+        return;
+    block_edges edges = *block;
+    for (int k = 0; k < 3; k++)
+        edges.value[k] += edges.step_x[k] * column + edges.step_y[k] * (first - top);
+    W(draw_block)
+    (tile, layers, boxes, planes, t, id, plain, covered, &edges, x, first, x + size,
+     MIN(y + size, part->bottom));
+    if (covered)
+        lower_bounds(tile, boxes, planes, t, plain, x, y, size / SHB_CELL);
 }
 
 /* Any triangle: blocks of SHB_SMALL samples are rejected or freed of the edges that cover them
@@ -102,22 +132,33 @@ static inline __attribute__((always_inline)) void W(draw_large)(const shb_tile *
                                                                 const chunk_boxes *boxes,
                                                                 const chunk_planes *planes, int t,
                                                                 uint32_t id, bool plain) {
-    const sample_rectangle part = W(clip_box)(tile, boxes, t);
+    const int32_t x = boxes->x[t], y = boxes->y[t];
+    const sample_rectangle part = {MAX(x, tile->x0), MAX(y, tile->y0),
+                                   MIN(x + boxes->width[t], tile->x1),
+                                   MIN(y + boxes->height[t], tile->y1)};
     int64_t first[3];
     find_wide_edges(boxes, planes, t, first);
-    for (int32_t top = part.top; top < part.bottom; top += SHB_SMALL) {
-        const int32_t bottom = MIN(top + SHB_SMALL, part.bottom);
-        for (int32_t left = part.left; left < part.right; left += SHB_SMALL) {
-            const int32_t right = MIN(left + SHB_SMALL, part.right);
-            const int32_t width = (right - left + LANES - 1) / LANES * LANES;
+    const int32_t first_left = part.left - (part.left - tile->x0) % SHB_SMALL;
+    const int32_t first_top = part.top - (part.top - tile->y0) % SHB_SMALL;
+    for (int32_t top = first_top; top < part.bottom; top += SHB_SMALL)
+        for (int32_t left = first_left; left < part.right; left += SHB_SMALL) {
             block_edges edges;
-            if (!find_block_edges(planes, t, first, left - boxes->x[t], top - boxes->y[t], width,
-                                  bottom - top, &edges))
+            float farthest[BLOCK_CELLS * BLOCK_CELLS];
+            if (!find_block_edges(planes, t, first, left - x, top - y, SHB_SMALL, SHB_SMALL,
+                                  &edges))
                 continue;
-            W(draw_block)
-            (tile, layers, boxes, planes, t, id, plain, &edges, left, top, right, bottom);
+            load_farthest(tile, layers, left, top, farthest);
+            const block_cells cells =
+                find_cells(planes, t, plain, layers == 0, &edges, left - x, top - y, farthest);
+            if (cells.covered == ALL_CELLS && left + SHB_SMALL <= tile->x1) {
+                W(draw_square)
+                (tile, layers, boxes, planes, t, id, plain, true, SHB_SMALL, &edges, &part, left,
+                 top, 0, 0);
+                continue;
+            }
+            FOR_CELLS(cells.covered, true)
+            FOR_CELLS(cells.crossed, false)
         }
-    }
 }
 
 /* A plain triangle inside the tile whose box is one vector wide and height rows high: height is a
@@ -147,4 +188,5 @@ static inline __attribute__((always_inline)) void W(draw_rows)(const shb_tile *t
     }
 }
 
+#undef FOR_CELLS
 #undef W

@@ -30,6 +30,8 @@ enum { LAYER_IDS = 1, LAYER_SECOND = 2 };
 
 #include "k_setup.inl"
 
+#include "k_cells.inl"
+
 #define LANES NARROW
 #include "k_rows.inl"
 #undef LANES

@@ -11,6 +11,9 @@
 /* Edges of a box up to this many samples wide and high fit into 32 bits. */
 #define SHB_SMALL 64
 
+/* Tiles keep a bound of the farthest depth in each square of so many samples. */
+#define SHB_CELL 16
+
 /* What keeps a vertex from being used as it is. */
 enum {
     SHB_CODE_UNUSABLE = 1, /* behind the near plane, outside the guard band, or not finite */
@@ -54,6 +57,8 @@ typedef struct shb_tile {
     float *second; /* NULL: not wanted */
     uint32_t *ids; /* NULL: not wanted */
     ptrdiff_t stride;
+    float *cells; /* no sample of a cell is farther; whole blocks of SHB_SMALL samples */
+    ptrdiff_t cell_stride;
     int32_t x0, y0, right, x1, y1;
 } shb_tile;
 
