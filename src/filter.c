@@ -38,6 +38,10 @@ static shb_filter bitmask(void) {
     return shb_filter_bitmask(1, 32, 64);
 }
 
+static shb_filter pcss(void) {
+    return shb_filter_pcss(0.05f, 25, 25, SHB_TAPS_PLANE);
+}
+
 static const shb_filter_method methods[] = {
     {"hard", "one tap", shb_filter_hard, {NULL}},
     {"pcf", "share of lit texels in a box", make_pcf, {"size", "unit", "taps"}},
@@ -58,6 +62,10 @@ static const shb_filter_method methods[] = {
      "samples of a square light that no texel covers",
      bitmask,
      {"light", "window", "samples"}},
+    {"pcss",
+     "kernels as wide as the penumbra of what blocks the light",
+     pcss,
+     {"light", "blockers", "samples", "taps"}},
 };
 
 enum { METHOD_COUNT = sizeof methods / sizeof *methods };

@@ -13,4 +13,8 @@ static inline float shb_far_depth(bool reversed) {
 void shb_format_store(shb_format format, bool reversed, size_t count, const float *canonical,
                       void *texels);
 
+/* Reads such a row again. */
+void shb_format_load(shb_format format, bool reversed, size_t count, const void *texels,
+                     float *canonical);
+
 #endif

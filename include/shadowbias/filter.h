@@ -150,6 +150,31 @@ shb_filter shb_filter_backprojection(float light_size, int window);
  * 2007). Default of tools: light 1, window 32, samples 64. */
 shb_filter shb_filter_bitmask(float light_size, int window, int samples);
 
+/* "pcss": percentage-closer soft shadows, with the same taps in both stages (Fernando 2005; Ehm et
+ * al. 2015, section 4.2).
+ * 1. The search looks for blockers in the part of the map that the light spans, as seen from the
+ *    fragment, on the near plane: blocker_samples taps on a disk, or 0: every texel of a square.
+ * 2. The penumbra at the fragment is w = (d_fragment - d_blocker) / d_blocker * light_size, with
+ *    distances from the light along its axis (Schwaerzler 2009, eq. 5.6); the mean over all
+ *    blockers found, which is the w of their mean map depth.
+ * 3. The answer is the lit share of a kernel of that width: filter_samples taps on a disk, or 0:
+ *    every texel of a square.
+ * light_size: width of the light, which lies parallel to the map. World units at the light's
+ * position; for a directional light the width at distance one, that is twice the tangent of half
+ * its angular diameter. Taps on a disk: the first of a fixed sequence, at most SHB_POISSON_MAX,
+ * turned by a hash of the fragment's position. Texels of a square count by the part of them that it
+ * covers. A kernel is centred on the fragment and at least one texel wide; squares of more than 126
+ * texels give way to 64 taps on the disk, and nothing is wider than 32768 texels.
+ * Outcomes: no blocker found: lit. Every tap of the search blocked: the kernel of step 3 decides,
+ * 0 if all of it is blocked too. Taps outside the map: lit, and no blockers. Blockers at or beyond
+ * the fragment's own depth, as steep planes have them: the narrowest kernel. Fragments outside the
+ * map: lit. light_size negative or no number: 0.
+ * shb_map_prepare makes a pyramid of bounds, a third of a byte a texel, by which fragments whose
+ * search can meet nothing, or nothing but blockers, are answered at once; results are the same.
+ * Default of tools: light 0.05, blockers 25, samples 25, taps 0. */
+shb_filter shb_filter_pcss(float light_size, int blocker_samples, int filter_samples,
+                           shb_taps taps);
+
 /* One built-in filter for tools: its default value and the names of its parameters. */
 typedef struct shb_filter_method {
     const char *name;

@@ -25,6 +25,12 @@
 
 #include "k_fragments.inl"
 
+#include "vectors.h"
+
+#include "k_pyramid.inl"
+
+#include "k_pcss.inl"
+
 const shb_shade_kernels SHADE_KERNELS = {
     .load = load_triples,
     .project = project_batch,
@@ -35,6 +41,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .pcf_smooth = pcf_smooth,
     .jittered = jittered,
     .poisson = poisson,
+    .pcss = pcss_batch,
     .own_depth = own_depth,
     .constant = constant_depth,
     .slope = slope_depth,

@@ -3,7 +3,7 @@
 #ifndef SRC_KERNELS_SHADE_H
 #define SRC_KERNELS_SHADE_H
 
-#include "../project.h"
+#include "../pcss.h"
 #include "../surface_runs.h"
 
 /* A row of pixels of a frame of this size. */
@@ -35,6 +35,10 @@ typedef struct shb_shade_kernels {
 
     /* Filters of boxes of texels, and of scattered ones. */
     shb_filter_fn *pcf, *pcf_smooth, *jittered, *poisson;
+
+    /* The contract of shb_filter_pcss, with the taps SHB_TAPS_PLANE or SHB_TAPS_OWN. */
+    void (*pcss)(const shb_pcss *pcss, const shb_map *map, size_t count,
+                 const shb_receivers *receivers, float *visibility);
 
     /* The stages of the built-in methods. */
     void (*own_depth)(size_t count, shb_receivers *receivers);

@@ -1,0 +1,290 @@
+/* Percentage-closer soft shadows. Taps on the disk run over WIDE fragments at a time, squares of
+ * texels over WIDE texels of one fragment; sums have an order that does not depend on WIDE. */
+
+#define SQUARE SHB_SQUARE_LANES
+#define SQUARE_PARTS (SQUARE / WIDE)
+
+/* Adding this rounds a float below 2^22 to an int in its low bits, ties to even. */
+#define ROUNDING 12582912.0f
+
+/* WIDE fragments. */
+typedef struct pcss_lanes {
+    vi texel_x, texel_y;
+    vf to_center_x, to_center_y;
+    vf depth; /* not beyond the far plane */
+    vf ref, step_x, step_y;
+    vf cosine, sine; /* of the disk's turn */
+} pcss_lanes;
+
+/* What stands in front of the receiver plane, as the sum of taps and of their depths. */
+typedef struct pcss_blocked {
+    vf weight, depth;
+    vf all; /* weight of all taps */
+} pcss_blocked;
+
+/* True if 32-bit numbers of texels lead to every texel of a map of floats. */
+static bool can_gather(const shb_map *map) {
+    return map->info.format == SHB_FORMAT_FLOAT32 &&
+           map->depth.stride / 4 <= (size_t)INT32_MAX / map->info.height;
+}
+
+/* Texels as they are stored, all inside the map. */
+static inline ALWAYS_INLINE vf read_lanes(const shb_map *map, bool gathers, vi x, vi y) {
+    if (gathers)
+        return vf_gather(map->depth.texels, x + y * (int32_t)(map->depth.stride / 4));
+    int32_t column[WIDE], row[WIDE];
+    float stored[WIDE] = {0};
+    memcpy(column, &x, sizeof column);
+    memcpy(row, &y, sizeof row);
+    read_texels(map, WIDE, column, row, stored);
+    return vf_load(stored);
+}
+
+/* The first count points of the disk. */
+static inline ALWAYS_INLINE pcss_blocked ask_disk(const shb_pcss *pcss, const shb_map *map,
+                                                  const pcss_lanes *own, vf radius_x, vf radius_y,
+                                                  int count, bool sums, bool gathers, bool inside) {
+    const vf xx = radius_x * own->cosine, xy = radius_x * own->sine;
+    const vf yx = radius_y * own->sine, yy = radius_y * own->cosine;
+    const float sign = map->info.view.reversed ? -1.0f : 1.0f;
+    const vf far_depth = vf_splat(pcss->far_depth);
+    const vf rounding = vf_splat(ROUNDING);
+    const uint32_t width = map->info.width, height = map->info.height;
+    vf depth = {0};
+    vi hits = {0};
+    for (int k = 0; k < count; k++) {
+        const float px = pcss->points[k][0], py = pcss->points[k][1];
+        const vf rounded_x = ((xx * px - xy * py) - own->to_center_x) + rounding;
+        const vf rounded_y = ((yx * px + yy * py) - own->to_center_y) + rounding;
+        vi x = own->texel_x + ((vi)rounded_x - (vi)rounding);
+        vi y = own->texel_y + ((vi)rounded_y - (vi)rounding);
+        vi inside_map;
+        if (!inside) {
+            inside_map = ((vu)x < width) & ((vu)y < height);
+            x &= inside_map;
+            y &= inside_map;
+        }
+        const vf stored = sign * read_lanes(map, gathers, x, y);
+        const vf tap = (own->ref + (rounded_x - rounding) * own->step_x) +
+                       (rounded_y - rounding) * own->step_y;
+        vi blocked = stored < vf_min(tap, far_depth);
+        if (!inside)
+            blocked &= inside_map;
+        hits -= blocked;
+        if (sums)
+            depth += vf_keep(blocked, stored);
+    }
+    return (pcss_blocked){__builtin_convertvector(hits, vf), depth, vf_splat((float)count)};
+}
+
+/* How many texels a kernel reaches from the own one. Points and turns are a little longer than 1,
+ * and a place within the own texel adds half of one, rounding to a texel another half. */
+static inline ALWAYS_INLINE vi reach_of(vf radius) {
+    return __builtin_convertvector(radius * (1 + 0x1p-10f) + 1.0f, vi);
+}
+
+/* True if no tap leaves the map. */
+static bool all_inside(const shb_map *map, const pcss_lanes *own, vf radius_x, vf radius_y) {
+    const vi reach_x = reach_of(radius_x), reach_y = reach_of(radius_y);
+    const vi outside = (own->texel_x < reach_x) | (own->texel_y < reach_y) |
+                       (own->texel_x >= (int32_t)map->info.width - reach_x) |
+                       (own->texel_y >= (int32_t)map->info.height - reach_y);
+    return !vi_any(outside);
+}
+
+static inline ALWAYS_INLINE pcss_blocked ask_disk_of(const shb_pcss *pcss, const shb_map *map,
+                                                     const pcss_lanes *own, vf radius_x,
+                                                     vf radius_y, int count, bool sums) {
+    if (!can_gather(map))
+        return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, false, false);
+    if (all_inside(map, own, radius_x, radius_y))
+        return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, true, true);
+    return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, true, false);
+}
+
+/* SQUARE texels of a row, as they are stored, from a column on that may lie outside the map. */
+static const float *read_row(const shb_map *map, int32_t column, int32_t row, float *texels) {
+    const int32_t width = (int32_t)map->info.width;
+    const char *start = (const char *)map->depth.texels + (size_t)row * map->depth.stride;
+    if (map->info.format == SHB_FORMAT_FLOAT32 && column >= 0 && column + SQUARE <= width)
+        return (const float *)(const void *)start + column;
+    int32_t columns[SQUARE], rows[SQUARE];
+    for (int i = 0; i < SQUARE; i++) {
+        const bool inside = column + i >= 0 && column + i < width;
+        columns[i] = inside ? column + i : 0;
+        rows[i] = row;
+    }
+    read_texels(map, SQUARE, columns, rows, texels);
+    for (int i = 0; i < SQUARE; i++)
+        if (column + i < 0 || column + i >= width)
+            texels[i] = map->info.view.reversed ? 0.0f : 1.0f;
+    return texels;
+}
+
+/* The part of a texel that the square covers along the axis. */
+static inline ALWAYS_INLINE vf cover_lanes(const shb_square_axis *axis, vf texel) {
+    const vf off = texel - axis->center;
+    const vf covered = axis->reach - vf_max(off, -off);
+    return vf_min(vf_max(covered, vf_splat(0)), vf_splat(1));
+}
+
+static float sum_square(const vf *parts) {
+    float lanes[SQUARE];
+    memcpy(lanes, parts, sizeof lanes);
+    return shb_square_sum(lanes);
+}
+
+/* Every texel that the square about fragment number lane covers, weighed by the part covered. */
+static inline ALWAYS_INLINE void ask_square(const shb_pcss *pcss, const shb_map *map,
+                                            const pcss_lanes *own, int lane, float radius_x,
+                                            float radius_y, bool sums, pcss_blocked *blocked) {
+    const shb_square_axis across = shb_square_axis_of(own->to_center_x[lane], radius_x);
+    const shb_square_axis down = shb_square_axis_of(own->to_center_y[lane], radius_y);
+    const int32_t own_x = own->texel_x[lane], own_y = own->texel_y[lane];
+    const float ref = own->ref[lane], step_x = own->step_x[lane], step_y = own->step_y[lane];
+    const float sign = map->info.view.reversed ? -1.0f : 1.0f;
+    const vf far_depth = vf_splat(pcss->far_depth);
+    float height = 0;
+    for (int32_t n = down.first; n <= down.last; n++)
+        height += shb_square_cover(&down, n);
+    const int32_t top = down.first < -own_y ? -own_y : down.first;
+    const int32_t rows_below = (int32_t)map->info.height - 1 - own_y;
+    const int32_t bottom = down.last < rows_below ? down.last : rows_below;
+    vf weight[SQUARE_PARTS] = {{0}}, depth[SQUARE_PARTS] = {{0}}, all[SQUARE_PARTS] = {{0}};
+    float lanes[SQUARE], texels[SQUARE];
+    for (int32_t first = across.first; first <= across.last; first += SQUARE) {
+        vf width[SQUARE_PARTS], tap[SQUARE_PARTS];
+        vf row_weight[SQUARE_PARTS] = {{0}}, row_depth[SQUARE_PARTS] = {{0}};
+        for (int i = 0; i < SQUARE; i++)
+            lanes[i] = (float)(first + i);
+        for (int p = 0; p < SQUARE_PARTS; p++) {
+            const vf m = vf_load(lanes + p * WIDE);
+            width[p] = cover_lanes(&across, m);
+            tap[p] = vf_where(width[p] > 0, ref + m * step_x, vf_splat(-INFINITY));
+        }
+        for (int32_t n = top; n <= bottom; n++) {
+            const float *stored = read_row(map, own_x + first, own_y + n, texels);
+            const vf part = vf_splat(shb_square_cover(&down, n));
+            const float run = (float)n * step_y;
+            for (int p = 0; p < SQUARE_PARTS; p++) {
+                const vf texel = sign * vf_load(stored + p * WIDE);
+                const vi hit = texel < vf_min(tap[p] + run, far_depth);
+                row_weight[p] += vf_keep(hit, part);
+                if (sums)
+                    row_depth[p] += vf_keep(hit, part * texel);
+            }
+        }
+        for (int p = 0; p < SQUARE_PARTS; p++) {
+            weight[p] += width[p] * row_weight[p];
+            depth[p] += width[p] * row_depth[p];
+            all[p] += width[p] * height;
+        }
+    }
+    blocked->weight[lane] = sum_square(weight);
+    blocked->depth[lane] = sum_square(depth);
+    blocked->all[lane] = sum_square(all);
+}
+
+/* A stage's taps; sums: depths are asked for. */
+static inline ALWAYS_INLINE pcss_blocked ask_taps(const shb_pcss *pcss, const shb_map *map,
+                                                  const pcss_lanes *own, vf radius_x, vf radius_y,
+                                                  int count, vi wanted, bool sums) {
+    if (count)
+        return ask_disk_of(pcss, map, own, radius_x, radius_y, count, sums);
+    pcss_blocked blocked = {{0}, {0}, {0}};
+    const vi large = (radius_x > SHB_PCSS_SQUARE_MOST) | (radius_y > SHB_PCSS_SQUARE_MOST);
+    if (vi_any(large & wanted))
+        blocked = ask_disk_of(pcss, map, own, radius_x, radius_y, SHB_PCSS_SPREAD, sums);
+    for (int lane = 0; lane < WIDE; lane++)
+        if (wanted[lane] && !large[lane])
+            ask_square(pcss, map, own, lane, radius_x[lane], radius_y[lane], sums, &blocked);
+    return blocked;
+}
+
+static pcss_blocked search(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own,
+                           vf radius_x, vf radius_y, vi wanted) {
+    return ask_taps(pcss, map, own, radius_x, radius_y, pcss->blockers, wanted, true);
+}
+
+static pcss_blocked filter(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own,
+                           vf radius_x, vf radius_y, vi wanted) {
+    return ask_taps(pcss, map, own, radius_x, radius_y, pcss->samples, wanted, false);
+}
+
+static vf radius_lanes(float texels, vf depth, vf blocker) {
+    const vf radius = texels * (depth - blocker);
+    return vf_min(vf_max(radius, vf_splat(SHB_PCSS_LEAST)), vf_splat(SHB_PCSS_MOST));
+}
+
+static pcss_lanes load_pcss_lanes(const shb_pcss *pcss, const shb_receivers *r, size_t i) {
+    pcss_lanes own = {.texel_x = vi_load(r->texel_x + i),
+                      .texel_y = vi_load(r->texel_y + i),
+                      .to_center_x = vf_load(r->to_center_x + i),
+                      .to_center_y = vf_load(r->to_center_y + i),
+                      .depth = vf_min(vf_load(r->depth + i), vf_splat(pcss->far_depth)),
+                      .ref = vf_load(r->ref + i)};
+    if (!pcss->own_depth) {
+        own.step_x = vf_load(r->step_x + i);
+        own.step_y = vf_load(r->step_y + i);
+    }
+    int32_t turns[WIDE];
+    for (int k = 0; k < WIDE; k++) {
+        const size_t j = i + (size_t)k;
+        turns[k] = 2 * (int32_t)shb_poisson_turn(r->x[j], r->y[j], r->z[j]);
+    }
+    own.cosine = vf_gather(pcss->turns, vi_load(turns));
+    own.sine = vf_gather(pcss->turns + 1, vi_load(turns));
+    return own;
+}
+
+/* What the pyramid tells of kernels of this size about texels of the map. */
+static plain_outcome ask_pyramid(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own,
+                                 vf radius_x, vf radius_y, vi wanted) {
+    const vi reach_x = reach_of(radius_x) & wanted, reach_y = reach_of(radius_y) & wanted;
+    const vi texel_x = own->texel_x & wanted, texel_y = own->texel_y & wanted;
+    const plain_lanes lanes = {.left = texel_x - reach_x,
+                               .top = texel_y - reach_y,
+                               .right = texel_x + reach_x,
+                               .bottom = texel_y + reach_y,
+                               .texel_x = texel_x,
+                               .texel_y = texel_y,
+                               .ref = own->ref,
+                               .step_x = own->step_x,
+                               .step_y = own->step_y};
+    const plain_outcome plain = find_plain(pcss->pyramid, map, &lanes);
+    return (plain_outcome){plain.lit & wanted, plain.dark & wanted};
+}
+
+/* The filter's kernel lies within that of the search, so what is plain there is plain here. */
+static vf pcss_of_lanes(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own) {
+    const vf near_depth = vf_splat(pcss->near_depth);
+    const vf search_x = radius_lanes(pcss->texels_x, own->depth, near_depth);
+    const vf search_y = radius_lanes(pcss->texels_y, own->depth, near_depth);
+    vf visibility = vf_splat(1.0f);
+    vi wanted = ((vu)own->texel_x < map->info.width) & ((vu)own->texel_y < map->info.height);
+    if (pcss->pyramid) {
+        const plain_outcome plain = ask_pyramid(pcss, map, own, search_x, search_y, wanted);
+        visibility = vf_where(plain.dark, vf_splat(0.0f), visibility);
+        wanted &= ~(plain.lit | plain.dark);
+    }
+    if (!vi_any(wanted))
+        return visibility;
+    const pcss_blocked blockers = search(pcss, map, own, search_x, search_y, wanted);
+    wanted &= blockers.weight > 0;
+    if (!vi_any(wanted))
+        return visibility;
+    const vf mean = vf_max(blockers.depth / blockers.weight, near_depth);
+    const vf radius_x = radius_lanes(pcss->texels_x, own->depth, mean);
+    const vf radius_y = radius_lanes(pcss->texels_y, own->depth, mean);
+    const pcss_blocked filtered = filter(pcss, map, own, radius_x, radius_y, wanted);
+    return vf_where(wanted, (filtered.all - filtered.weight) / filtered.all, visibility);
+}
+
+static void pcss_batch(const shb_pcss *pcss, const shb_map *map, size_t count,
+                       const shb_receivers *restrict receivers, float *restrict visibility) {
+    const size_t lanes = shb_round_to_lanes(count);
+    for (size_t i = 0; i < lanes; i += WIDE) {
+        const pcss_lanes own = load_pcss_lanes(pcss, receivers, i);
+        vf_store(visibility + i, pcss_of_lanes(pcss, map, &own));
+    }
+}
