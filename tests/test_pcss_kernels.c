@@ -1,0 +1,186 @@
+/* Soft shadows have the same bits on every instruction set, with and without a pyramid. */
+#include "../src/pyramid.h"
+
+#include "random.h"
+#include "shadowbias/shadowbias.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = 96, HEIGHT = 80, POINTS = 700 };
+
+typedef struct lit_map {
+    shb_context *context;
+    shb_map *map;
+    float *texels;
+} lit_map;
+
+/* A tilted floor with plates above it, and noise in one corner. */
+static double depth_at(test_random *random, int x, int y) {
+    const bool plate = (x / 20 + y / 16) % 3 == 0;
+    if (x > 70 && y > 60)
+        return random_double(random, 0, 1);
+    return (plate ? 0.2 : 0.5) + x * 0.002 - y * 0.001;
+}
+
+static lit_map new_map(shb_isa isa, bool spot, bool reversed, shb_format format) {
+    lit_map made = {0};
+    const shb_context_desc desc = {.max_isa = isa, .threads = 1};
+    CHECK_INT(shb_context_create(&desc, &made.context), SHB_OK);
+    shb_map_desc map = {.width = WIDTH, .height = HEIGHT, .format = format, .scene_scale = 3};
+    const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
+    if (spot)
+        CHECK_INT(shb_view_fit_spot((shb_vec3){3, 4, 2}, box, WIDTH, reversed, &map.view), SHB_OK);
+    else
+        CHECK_INT(shb_view_fit_directional((shb_vec3){3, 4, 2}, box, WIDTH, reversed, &map.view),
+                  SHB_OK);
+    made.texels = malloc(WIDTH * HEIGHT * sizeof *made.texels);
+    test_random random = {7};
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        const double standard = depth_at(&random, i % WIDTH, i / WIDTH);
+        const double depth = reversed ? 1 - standard : standard;
+        if (format == SHB_FORMAT_FLOAT32)
+            made.texels[i] = (float)depth;
+        else if (format == SHB_FORMAT_UNORM24)
+            ((uint32_t *)(void *)made.texels)[i] = (uint32_t)(depth * 0xffffff);
+        else
+            ((uint16_t *)(void *)made.texels)[i] = (uint16_t)(depth * 0xffff);
+    }
+    CHECK_INT(shb_map_wrap(made.context, &map, made.texels, 0, NULL, &made.map), SHB_OK);
+    return made;
+}
+
+static void destroy_map(lit_map *made) {
+    shb_map_destroy(made->map);
+    shb_context_destroy(made->context);
+    free(made->texels);
+}
+
+typedef struct points {
+    float positions[3 * POINTS], normals[3 * POINTS];
+} points;
+
+/* Runs of near points as a camera sees them, then scattered ones, some of them odd. */
+static points *new_points(void) {
+    static const float odd[] = {NAN, INFINITY, -INFINITY, 1e30f, -3e38f, 50};
+    points *made = malloc(sizeof *made);
+    test_random random = {3};
+    float start[3] = {0, 0, 0};
+    for (int i = 0; i < POINTS; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            const int k = 3 * i + axis;
+            if (i % 50 == 0)
+                start[axis] = (float)random_double(&random, -1, 1);
+            made->positions[k] = i < POINTS / 2 ? start[axis] + (float)(i % 50) * 0.004f
+                                                : (float)random_double(&random, -1.1, 1.1);
+            made->normals[k] = (float)random_double(&random, -1, 1);
+            if (i > POINTS / 2 && random_below(&random, 20) == 0)
+                made->positions[k] = odd[random_below(&random, 6)];
+        }
+    return made;
+}
+
+static void ask(const lit_map *asked, const points *given, size_t count, const shb_filter *filter,
+                float *visibility) {
+    const shb_bias bias = shb_bias_adaptive(1e-3f, 0);
+    const shb_points list = {
+        .count = count, .positions = given->positions, .normals = given->normals};
+    CHECK_INT(shb_map_visibility(asked->map, &list, &bias, filter, visibility), SHB_OK);
+}
+
+static bool same(const float *a, const float *b, size_t count) {
+    return memcmp(a, b, count * sizeof *a) == 0;
+}
+
+static void check_kernels(bool spot, bool reversed, shb_format format, const shb_filter *filter,
+                          size_t count) {
+    static const shb_isa vectors[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SHB_ISA_NEON};
+    float expected[POINTS], actual[POINTS];
+    points *given = new_points();
+    lit_map scalar = new_map(SHB_ISA_SCALAR, spot, reversed, format);
+    ask(&scalar, given, count, filter, expected);
+    CHECK_INT(shb_map_prepare(scalar.map, filter), SHB_OK);
+    ask(&scalar, given, count, filter, actual);
+    CHECK(same(expected, actual, count));
+    for (int i = 0; i < 4; i++) {
+        lit_map other = new_map(vectors[i], spot, reversed, format);
+        ask(&other, given, count, filter, actual);
+        CHECK(same(expected, actual, count));
+        CHECK_INT(shb_map_prepare(other.map, filter), SHB_OK);
+        ask(&other, given, count, filter, actual);
+        CHECK(same(expected, actual, count));
+        destroy_map(&other);
+    }
+    destroy_map(&scalar);
+    free(given);
+}
+
+TEST(pcss_kernels_give_scalar_bits) {
+    const float sizes[] = {0, 0.02f, 0.1f, 0.4f, 20};
+    const int taps[][2] = {{25, 25}, {16, 0}, {0, 32}, {1, 1}, {0, 0}};
+    for (int size = 0; size < 5; size++)
+        for (int i = 0; i < 5; i++) {
+            const shb_filter filter = shb_filter_pcss(sizes[size], taps[i][0], taps[i][1],
+                                                      i == 3 ? SHB_TAPS_OWN : SHB_TAPS_PLANE);
+            check_kernels(i & 1, size & 1, SHB_FORMAT_FLOAT32, &filter, POINTS);
+            check_kernels(!(i & 1), i & 2, SHB_FORMAT_FLOAT32, &filter, POINTS);
+        }
+}
+
+TEST(pcss_kernels_give_scalar_bits_for_every_format_and_count) {
+    for (size_t count = 1; count < 40; count += 6)
+        for (int format = 0; format < 3; format++)
+            for (int i = 0; i < 2; i++) {
+                const int taps = i ? 19 : 0;
+                const shb_filter filter = shb_filter_pcss(0.2f, taps, taps, SHB_TAPS_PLANE);
+                check_kernels(i, format & 1, (shb_format)format, &filter, count);
+            }
+}
+
+/* The pyramid of another map in place of the own one, by turns everything near and far. */
+static void ask_with_other_pyramid(const shb_filter_args *args) {
+    const shb_filter pcss = shb_filter_pcss(0.1f, 25, 25, SHB_TAPS_PLANE);
+    shb_filter_args changed = *args;
+    changed.filter = &pcss;
+    changed.prepared = args->filter->user;
+    pcss.filter(&changed);
+}
+
+static shb_pyramid *pyramid_of_constant(lit_map *asked, float depth) {
+    size_t bytes;
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        asked->texels[i] = depth;
+    return shb_pyramid_create(asked->map, &bytes);
+}
+
+/* The map itself is a plate over everything, or nothing. */
+TEST(pcss_answers_what_is_plain_by_the_pyramid) {
+    for (int isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa++) {
+        lit_map asked = new_map((shb_isa)isa, false, false, SHB_FORMAT_FLOAT32);
+        shb_pyramid *empty = pyramid_of_constant(&asked, 1);
+        shb_pyramid *covered = pyramid_of_constant(&asked, 0.1f);
+        points *given = new_points();
+        const float to_light[3] = {3, 4, 2};
+        for (int i = 0; i < 300; i++) {
+            given->positions[i] = 0.0001f * (float)(i / 3);
+            given->normals[i] = to_light[i % 3];
+        }
+        float visibility[POINTS];
+        const shb_filter lit = {.filter = ask_with_other_pyramid, .user = empty};
+        const shb_filter dark = {.filter = ask_with_other_pyramid, .user = covered};
+        ask(&asked, given, 100, &lit, visibility);
+        for (int i = 0; i < 100; i++)
+            CHECK(visibility[i] == 1);
+        for (int i = 0; i < WIDTH * HEIGHT; i++)
+            asked.texels[i] = 1;
+        ask(&asked, given, 100, &dark, visibility);
+        for (int i = 0; i < 100; i++)
+            CHECK(visibility[i] == 0);
+        shb_pyramid_destroy(asked.map, empty);
+        shb_pyramid_destroy(asked.map, covered);
+        free(given);
+        destroy_map(&asked);
+    }
+}
