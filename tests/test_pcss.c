@@ -365,6 +365,35 @@ TEST(every_texel_searched_equals_a_slow_search_in_double) {
     }
 }
 
+/* The plane of a tilted floor cut anew for every tap, against its steps from texel to texel. */
+TEST(naive_taps_find_the_shadow_of_the_plane) {
+    test_random random = {4};
+    for (int i = 0; i < 4; i++) {
+        const bool spot = i & 1;
+        const int taps = i & 2 ? 25 : 0;
+        host_map host =
+            open_map(spot ? probe_perspective(true) : probe_orthographic(false), SIZE, SIZE);
+        for (uint32_t y = 0; y < SIZE; y++)
+            for (uint32_t x = 0; x < SIZE; x++)
+                put(&host, x, y, random_double(&random, 0.1, 1));
+        const shb_filter plane = shb_filter_pcss(0.2f, taps, taps, SHB_TAPS_PLANE);
+        const shb_filter naive = shb_filter_pcss(0.2f, taps, taps, SHB_TAPS_NAIVE);
+        const shb_bias bias = shb_bias_receiver_plane(1e-3f);
+        for (int k = 0; k < 40; k++) {
+            const float position[3] = {(float)random_double(&random, -1.2, 1.2),
+                                       (float)random_double(&random, -1, 1),
+                                       (float)random_double(&random, 1.2, 2)};
+            const float normal[3] = {0.36f, -0.48f, 0.8f};
+            const shb_points points = {.count = 1, .positions = position, .normals = normal};
+            float given = -1, expected = -2;
+            CHECK_INT(shb_map_visibility(host.map, &points, &bias, &plane, &expected), SHB_OK);
+            CHECK_INT(shb_map_visibility(host.map, &points, &bias, &naive, &given), SHB_OK);
+            CHECK_NEAR(given, expected, 1e-5);
+        }
+        close_map(&host);
+    }
+}
+
 TEST(pcss_has_a_text_form) {
     shb_filter filter;
     CHECK_INT(shb_filter_parse("pcss", &filter), SHB_OK);
@@ -374,4 +403,7 @@ TEST(pcss_has_a_text_form) {
     const shb_filter other = shb_filter_pcss(0.5f, 16, 0, SHB_TAPS_OWN);
     CHECK(memcmp(filter.params, other.params, sizeof filter.params) == 0);
     CHECK(filter.filter == other.filter && filter.needs == other.needs);
+    CHECK_INT(shb_filter_parse("pcss:taps=2", &filter), SHB_OK);
+    CHECK_INT(filter.needs, SHB_NEEDS_NORMAL);
+    CHECK_INT(shb_filter_parse("pcss:taps=3", &filter), SHB_ERROR_ARGUMENT);
 }
