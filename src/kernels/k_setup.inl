@@ -6,9 +6,6 @@
 #define MIN(a, b) ((a) < (b) ? (a) : (b))
 #define MAX(a, b) ((a) > (b) ? (a) : (b))
 
-typedef double pair __attribute__((vector_size(16)));
-typedef uint64_t code_pair __attribute__((vector_size(16)));
-
 /* Window corners of the chunk's triangles. */
 typedef struct chunk_corners {
     SHB_ALIGN double x[3][SHB_CHUNK];

@@ -21,7 +21,7 @@ enum {
     SHB_CODE_OUTSIDE = 4 | 8 | 16 | 32 /* one bit for each border of the target */
 };
 
-/* A vertex in window space, and its code. The numbers are 0 where it is not usable: its triangles
+/* A vertex in window space, and its code. The numbers mean nothing where it is not usable: its triangles
  * are left to clipping. */
 typedef struct shb_vertex {
     double x, y, z;
