@@ -3,6 +3,7 @@
 #include "chunk_tile.h"
 
 #include "chunk_bin.h"
+#include "chunk_gather.h"
 #include "chunk_whole.h"
 
 #include <stdatomic.h>
@@ -11,7 +12,7 @@
  * give this many samples (powers of two): less where each triangle fills much of a tile or tiles
  * are copied to the target, so that they stay in a second-level cache. */
 #define TILE_BITS 18
-#define CACHED_TILE_BITS 16
+#define CACHED_TILE_BITS 17
 #define ROW_BITS_MIN 4
 
 /* Each thread has this many tiles to take at least. */
@@ -25,7 +26,7 @@
  * for any target. */
 #define WHOLE_TEXELS (2048u * 2048u)
 #define WHOLE_TEXELS_PER_TRIANGLE 4
-#define WHOLE_TEXELS_PER_TRIANGLE_ALONE 12
+#define WHOLE_TEXELS_PER_TRIANGLE_ALONE 20
 
 /* But not a few large triangles one over the other: they would go through the whole map each. */
 #define FEW_TRIANGLES 1024
@@ -34,6 +35,7 @@
 typedef struct grid {
     bool whole;  /* the target is not cut into tiles */
     bool direct; /* tiles are drawn in the images themselves */
+    bool few;    /* a few large triangles */
     shb_tile_shape shape;
 } grid;
 
@@ -106,6 +108,7 @@ static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
         triangles <= FEW_TRIANGLES && desc->width * desc->height > FEW_TRIANGLES_TEXELS;
     const bool direct = can_draw_directly(desc);
     return (grid){.direct = direct,
+                  .few = few,
                   .whole =
                       direct && !desc->tile_size && !few && suits_whole(context, desc, triangles),
                   .shape = desc->tile_size ? square_shape(desc)
@@ -164,31 +167,8 @@ static void draw_coded(const tile_job *job, const shb_layers *layers) {
     }
 }
 
-/* Gathers triangles of one instance until a chunk is full. */
-typedef struct gatherer {
-    const shb_kernels *kernels;
-    const shb_tile *tile;
-    shb_chunk chunk;
-    uint32_t triangles[SHB_CHUNK];
-} gatherer;
-
-static void flush(gatherer *gathered) {
-    if (gathered->chunk.count)
-        gathered->kernels->draw(&gathered->chunk, gathered->tile);
-    gathered->chunk.count = 0;
-}
-
-static void gather(gatherer *gathered, const shb_chunk *from, uint32_t t) {
-    if (gathered->chunk.count == SHB_CHUNK || gathered->chunk.instance != from->instance) {
-        flush(gathered);
-        gathered->chunk.instance = from->instance;
-        gathered->chunk.vertices = from->vertices;
-    }
-    gathered->triangles[gathered->chunk.count++] = from->first + t;
-}
-
 /* A block's triangles in the tile. */
-static void draw_block(const tile_job *job, size_t block, size_t tile, gatherer *gathered) {
+static void draw_block(const tile_job *job, size_t block, size_t tile, shb_gatherer *gatherer) {
     const shb_chunk_bins *bins = &job->bins;
     const size_t tiles = (size_t)bins->columns * bins->rows;
     const uint16_t *ends = bins->ends + block * (tiles + 1);
@@ -196,20 +176,19 @@ static void draw_block(const tile_job *job, size_t block, size_t tile, gatherer 
     const shb_binned *binned = bins->binned + block * SHB_BLOCK_CAPACITY;
     if (ends[tiles]) {
         for (uint32_t i = tile ? ends[tile - 1] : 0; i < ends[tile]; i++)
-            gather(gathered, &chunks[binned[i] / SHB_CHUNK], binned[i] % SHB_CHUNK);
+            shb_gather(gatherer, &chunks[binned[i] / SHB_CHUNK], binned[i] % SHB_CHUNK);
         return;
     }
     const size_t left = job->chunks->count - block * SHB_BLOCK_CHUNKS;
     for (size_t i = 0; i < SHB_BLOCK_CHUNKS && i < left; i++)
-        job->kernels->draw(&chunks[i], gathered->tile);
+        job->kernels->draw(&chunks[i], gatherer->tile);
 }
 
 static void draw_binned(const tile_job *job, size_t number, const shb_tile *tile) {
-    gatherer gathered = {.kernels = job->kernels, .tile = tile};
-    gathered.chunk.triangles = gathered.triangles;
+    shb_gatherer gatherer = {.kernels = job->kernels, .tile = tile, .nearest_first = job->grid.few};
     for (size_t block = 0; block < job->bins.blocks; block++)
-        draw_block(job, block, number, &gathered);
-    flush(&gathered);
+        draw_block(job, block, number, &gatherer);
+    shb_gather_flush(&gatherer);
 }
 
 static void draw_tile(tile_job *job, size_t lane, size_t number) {
