@@ -7,17 +7,9 @@
 
 #include <math.h>
 
-/* Points that are asked in steps, so that the memory of several is on its way at the same time. */
-enum { GROUP = 32 };
+enum { GROUP = SHB_LIST_GROUP };
 
-/* Points in the world and as the light sees them. */
-typedef struct group {
-    SHB_ALIGN double world[3][GROUP];
-    double x[GROUP], y[GROUP], depth[GROUP], inverse_w[GROUP];
-    double scale[GROUP]; /* of the triangles' bounds: above 1 where a point is outside the scene */
-} group;
-
-/* A point and what its cell holds: nothing outside the view. */
+/* One point of a group. */
 typedef struct point {
     double x, y, depth;
     double world[3];
@@ -25,29 +17,7 @@ typedef struct point {
     double scale;
     double rounding;
     uint32_t own_id;
-    const uint32_t *entry, *end;
 } point;
-
-static double larger(double a, double b) {
-    return a > b ? a : b;
-}
-
-static void project(const shb_list_frame *frame, group *restrict g) {
-    const double *const x = frame->rows[0], *const y = frame->rows[1];
-    const double *const z = frame->rows[2], *const w = frame->rows[3];
-    const double reach = frame->reach;
-    for (int i = 0; i < GROUP; i++) {
-        const double px = g->world[0][i], py = g->world[1][i], pz = g->world[2][i];
-        const double at_w = shb_list_row(w, px, py, pz);
-        const double inverse_w = at_w > 0 ? 1 / at_w : (double)NAN;
-        g->x[i] = shb_list_row(x, px, py, pz) * inverse_w;
-        g->y[i] = shb_list_row(y, px, py, pz) * inverse_w;
-        g->depth[i] = shb_list_row(z, px, py, pz) * inverse_w;
-        g->inverse_w[i] = inverse_w;
-        const double size = larger(larger(fabs(px), fabs(py)), fabs(pz));
-        g->scale[i] = size > reach ? size / reach : 1;
-    }
-}
 
 /* The parameter of a ray at which it leaves what lies behind the near plane. */
 static double near_limit(const shb_list_frame *frame, const shb_ray *ray) {
@@ -116,10 +86,13 @@ static bool blocks_exactly(const shb_lists *lists, uint32_t id, const point *p, 
     return shb_ray_line_meets(&ray, &triangle);
 }
 
-static bool is_blocked(const shb_lists *lists, const point *p) {
+static bool is_blocked(const shb_lists *lists, const point *p, const uint32_t *entry,
+                       const uint32_t *end) {
     const float x = (float)p->x, y = (float)p->y, scale = (float)p->scale;
-    for (const uint32_t *entry = p->entry; entry < p->end; entry++) {
+    for (; entry < end; entry++) {
         const uint32_t id = *entry;
+        if (entry + 1 < end)
+            __builtin_prefetch(&lists->triangles[entry[1]]);
         if (id == p->own_id)
             continue;
         const shb_list_triangle *t = &lists->triangles[id];
@@ -141,27 +114,6 @@ static bool is_blocked(const shb_lists *lists, const point *p) {
     return false;
 }
 
-/* True where the cell alone decides that the point is in shadow. */
-static bool find_entries(const shb_lists *lists, point *p) {
-    const shb_list_frame *frame = &lists->frame;
-    p->entry = p->end = NULL;
-    const bool is_seen = p->x >= 0 && p->x < frame->width && p->y >= 0 && p->y < frame->height &&
-                         fabs(p->depth) < HUGE_VAL;
-    if (!is_seen)
-        return false;
-    const uint32_t column = (uint32_t)p->x, row = (uint32_t)p->y;
-    const shb_list_tile *tile =
-        &lists->tiles[(size_t)(row / SHB_LIST_TILE) * lists->tile_columns + column / SHB_LIST_TILE];
-    if (tile->cell_bits < 0)
-        return false;
-    const shb_list_cell *cell =
-        &lists->cells[shb_list_cell_of(tile, column % SHB_LIST_TILE, row % SHB_LIST_TILE)];
-    const uint32_t *entries = lists->entries + tile->first_entry;
-    p->entry = entries + cell[0].start;
-    p->end = entries + cell[1].start;
-    return p->scale == 1 && p->depth > (double)cell->far;
-}
-
 /* From one of its own triangle's corners, as the truth has it. */
 static void place_on_triangle(const shb_lists *lists, uint32_t id, double weight_1, double weight_2,
                               double place[3]) {
@@ -172,8 +124,9 @@ static void place_on_triangle(const shb_lists *lists, uint32_t id, double weight
         place[i] = a[i] + ((b[i] - a[i]) * weight_1 + (c[i] - a[i]) * weight_2);
 }
 
+/* The last point fills up the group. */
 static void load(const shb_lists *lists, const shb_list_points *points, size_t first, size_t count,
-                 group *g) {
+                 shb_list_group *g) {
     for (size_t i = 0; i < GROUP; i++) {
         const size_t k = first + (i < count ? i : count - 1);
         double place[3];
@@ -185,13 +138,12 @@ static void load(const shb_lists *lists, const shb_list_points *points, size_t f
             place[1] = points->y[k];
             place[2] = points->z[k];
         }
-        g->world[0][i] = place[0];
-        g->world[1][i] = place[1];
-        g->world[2][i] = place[2];
+        for (int axis = 0; axis < 3; axis++)
+            g->world[axis][i] = place[axis];
     }
 }
 
-static point point_of(const group *g, size_t i, const shb_list_points *points, size_t k) {
+static point point_of(const shb_list_group *g, size_t i, const shb_list_points *points, size_t k) {
     return (point){.x = g->x[i],
                    .y = g->y[i],
                    .depth = g->depth[i],
@@ -202,26 +154,72 @@ static point point_of(const group *g, size_t i, const shb_list_points *points, s
                    .own_id = points->own_ids ? points->own_ids[k] : SHB_ID_NONE};
 }
 
-void shb_lists_query(const shb_lists *lists, const shb_list_points *points, float *visibility) {
-    for (size_t first = 0; first < points->count; first += GROUP) {
-        const size_t left = points->count - first, count = left < GROUP ? left : GROUP;
-        group g;
-        point open[GROUP];
-        size_t numbers[GROUP], open_count = 0;
-        load(lists, points, first, count, &g);
-        project(&lists->frame, &g);
-        for (size_t i = 0; i < count; i++) {
-            point *p = &open[open_count];
-            *p = point_of(&g, i, points, first + i);
-            const bool is_hidden = find_entries(lists, p);
-            visibility[first + i] = is_hidden ? 0 : 1;
-            numbers[open_count] = first + i;
-            open_count += !is_hidden && p->entry < p->end;
+/* What a point that its cell does not decide has to ask. */
+typedef struct question {
+    const uint32_t *entry, *end;
+    uint32_t number; /* in the group */
+} question;
+
+/* Where the entries of the points' cells are; NULL where there are none. */
+static void find_cells(const shb_lists *lists, const shb_list_group *g, size_t count,
+                       const shb_list_cell *cells[GROUP], const uint32_t *entries[GROUP]) {
+    for (size_t i = 0; i < count; i++) {
+        cells[i] = NULL;
+        if (g->column[i] < 0)
+            continue;
+        const uint32_t column = (uint32_t)g->column[i], row = (uint32_t)g->row[i];
+        const shb_list_tile *tile =
+            &lists->tiles[(size_t)(row / SHB_LIST_TILE) * lists->tile_columns +
+                          column / SHB_LIST_TILE];
+        if (tile->cell_bits < 0)
+            continue;
+        cells[i] =
+            &lists->cells[shb_list_cell_of(tile, column % SHB_LIST_TILE, row % SHB_LIST_TILE)];
+        entries[i] = lists->entries + tile->first_entry;
+        __builtin_prefetch(cells[i]);
+    }
+}
+
+/* Answers the points that their cells decide; returns how many questions are left. */
+static size_t ask_cells(const shb_list_group *g, size_t count, const shb_list_cell *const *cells,
+                        const uint32_t *const *entries, question *questions, float *visibility) {
+    size_t left = 0;
+    for (size_t i = 0; i < count; i++) {
+        visibility[i] = 1;
+        if (!cells[i])
+            continue;
+        if (g->depth[i] > (double)cells[i]->far && g->scale[i] == 1) {
+            visibility[i] = 0;
+            continue;
         }
-        for (size_t i = 0; i < open_count; i++)
-            __builtin_prefetch(&lists->triangles[*open[i].entry]);
-        for (size_t i = 0; i < open_count; i++)
-            if (is_blocked(lists, &open[i]))
-                visibility[numbers[i]] = 0;
+        const uint32_t start = cells[i][0].start, end = cells[i][1].start;
+        questions[left] = (question){entries[i] + start, entries[i] + end, (uint32_t)i};
+        left += start < end;
+        __builtin_prefetch(entries[i] + start);
+    }
+    return left;
+}
+
+/* In steps, so that the memory of many points is on its way at the same time. */
+void shb_lists_query(const shb_lists *lists, const shb_list_points *points, float *visibility) {
+    const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
+    for (size_t first = 0; first < points->count; first += GROUP) {
+        const size_t rest = points->count - first, count = rest < GROUP ? rest : GROUP;
+        shb_list_group g;
+        const shb_list_cell *cells[GROUP];
+        const uint32_t *entries[GROUP];
+        question questions[GROUP];
+        load(lists, points, first, count, &g);
+        kernels->locate(&lists->frame, &g);
+        find_cells(lists, &g, count, cells, entries);
+        const size_t left = ask_cells(&g, count, cells, entries, questions, visibility + first);
+        for (size_t i = 0; i < left; i++)
+            __builtin_prefetch(&lists->triangles[*questions[i].entry]);
+        for (size_t i = 0; i < left; i++) {
+            const size_t number = questions[i].number;
+            const point p = point_of(&g, number, points, first + number);
+            if (is_blocked(lists, &p, questions[i].entry, questions[i].end))
+                visibility[first + number] = 0;
+        }
     }
 }

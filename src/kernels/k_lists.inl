@@ -284,4 +284,25 @@ static bool cover_cells(shb_list_cover *cover) {
     return true;
 }
 
-const shb_list_kernels LIST_KERNELS = {prepare_triangles, cover_cells};
+static void locate_points(const shb_list_frame *frame, shb_list_group *restrict g) {
+    const shb_list_frame f = *frame;
+    for (int i = 0; i < SHB_LIST_GROUP; i++) {
+        const double px = g->world[0][i], py = g->world[1][i], pz = g->world[2][i];
+        const double w = shb_list_row(f.rows[3], px, py, pz), inverse = 1 / w;
+        const double x = shb_list_row(f.rows[0], px, py, pz) * inverse;
+        const double y = shb_list_row(f.rows[1], px, py, pz) * inverse;
+        const double depth = shb_list_row(f.rows[2], px, py, pz) * inverse;
+        const double size = list_max(list_max(fabs(px), fabs(py)), fabs(pz));
+        const int seen = (w > 0) & (x >= 0) & (x < f.width) & (y >= 0) & (y < f.height) &
+                         (fabs(depth) < HUGE_VAL);
+        g->x[i] = x;
+        g->y[i] = y;
+        g->depth[i] = depth;
+        g->inverse_w[i] = inverse;
+        g->scale[i] = size > f.reach ? size / f.reach : 1;
+        g->column[i] = (int32_t)(seen ? x : -1.0);
+        g->row[i] = (int32_t)(seen ? y : 0.0);
+    }
+}
+
+const shb_list_kernels LIST_KERNELS = {prepare_triangles, cover_cells, locate_points};

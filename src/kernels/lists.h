@@ -45,6 +45,17 @@ typedef struct shb_list_cover {
     size_t pair_count, pair_capacity;
 } shb_list_cover;
 
+/* Points that ask at the same time, in the world and as the light sees them. */
+#define SHB_LIST_GROUP 64
+
+typedef struct shb_list_group {
+    SHB_ALIGN double world[3][SHB_LIST_GROUP];
+    double x[SHB_LIST_GROUP], y[SHB_LIST_GROUP], depth[SHB_LIST_GROUP];
+    double inverse_w[SHB_LIST_GROUP];
+    double scale[SHB_LIST_GROUP]; /* of the triangles' bounds: above 1 outside the scene */
+    int32_t column[SHB_LIST_GROUP], row[SHB_LIST_GROUP]; /* texel; column -1: not in the view */
+} shb_list_group;
+
 typedef struct shb_list_kernels {
     /* Prepares triangles of whole corners. */
     void (*prepare)(const shb_list_frame *frame, const shb_list_corners *corners,
@@ -55,6 +66,9 @@ typedef struct shb_list_kernels {
      * for sure or begins there behind a triangle before it that covers the cell for sure. False if
      * there is no room for all the pairs. */
     bool (*cover)(shb_list_cover *cover);
+
+    /* Finds where the light sees points of the world. */
+    void (*locate)(const shb_list_frame *frame, shb_list_group *group);
 } shb_list_kernels;
 
 /* Never NULL. */
