@@ -175,16 +175,16 @@ static void localise(const shb_list_frame *frame, const double corners[3][3],
 }
 
 /* The triangle's own plane, from the generalised cross product of three points (x, y, z, w). */
-typedef struct plane {
+typedef struct homogeneous {
     bounded x, y, z, w;
-} plane;
+} homogeneous;
 
-static plane plane_of(const local *l) {
+static homogeneous plane_of(const local *l) {
     const bounded *p = l->corners[0], *q = l->edges[0], *r = l->edges[1];
     const bounded xy = minor(q[0], q[1], r[0], r[1]), xz = minor(q[0], q[2], r[0], r[2]);
     const bounded xw = minor(q[0], q[3], r[0], r[3]), yz = minor(q[1], q[2], r[1], r[2]);
     const bounded yw = minor(q[1], q[3], r[1], r[3]), zw = minor(q[2], q[3], r[2], r[3]);
-    return (plane){
+    return (homogeneous){
         .x = sum(difference(product(p[1], zw), product(p[2], yw)), product(p[3], yz)),
         .y = difference(difference(product(p[2], xw), product(p[0], zw)), product(p[3], xz)),
         .z = sum(difference(product(p[0], yw), product(p[1], xw)), product(p[3], xy)),
@@ -193,14 +193,14 @@ static plane plane_of(const local *l) {
 }
 
 /* Writes its elements; returns the bound of its rounding. */
-static double prepare_plane(const shb_list_frame *frame, const local *l, const plane *p,
-                            double out[3]) {
+static double prepare_plane(const shb_list_frame *frame, const local *l, const homogeneous *p,
+                            shb_list_plane *out) {
     const double size = fabs(p->z.value);
     const double a = p->x.value / p->z.value, b = p->y.value / p->z.value;
     const double d = p->w.value / p->z.value;
-    out[0] = a;
-    out[1] = b;
-    out[2] = d - a * l->column - b * l->row;
+    out->x = a;
+    out->y = b;
+    out->one = d - a * l->column - b * l->row;
     const double of_plane =
         2 *
         (p->x.error * l->half_x + p->y.error * l->half_y + p->z.error * l->deepest + p->w.error) /
@@ -213,26 +213,27 @@ static double prepare_plane(const shb_list_frame *frame, const local *l, const p
 }
 
 void shb_list_triangle_cut(const shb_list_frame *frame, const double corners[3][3],
-                           shb_list_triangle *triangle, shb_list_box *box) {
+                           shb_list_triangle *triangle, shb_list_plane *plane, shb_list_box *box) {
     const part seen = cut_near(frame, corners);
     *box = seen.count ? box_of(frame, &seen) : SHB_LIST_BOX_NONE;
     if (shb_list_box_is_none(box))
         return;
-    *triangle = (shb_list_triangle){.margin = HUGE_VALF,
+    const float nearest = (float)shb_list_level_depth(frame, box->level);
+    *plane = (shb_list_plane){0};
+    *triangle = (shb_list_triangle){.one = {HUGE_VALF, HUGE_VALF, HUGE_VALF, -nearest},
+                                    .margin = HUGE_VALF,
                                     .bound = HUGE_VALF,
-                                    .clear = HUGE_VALF,
-                                    .nearest = (float)shb_list_level_depth(frame, box->level)};
+                                    .clear = HUGE_VALF};
     local l;
     measure(frame, &seen, &l);
     localise(frame, corners, box, &l);
-    const plane p = plane_of(&l);
+    const homogeneous p = plane_of(&l);
     if (!(l.least_w > 2 * frame->errors[3] && fabs(p.z.value) > 2 * p.z.error))
         return;
-    double made[3];
-    const double bound = prepare_plane(frame, &l, &p, made) * (1 + 0x1p-22);
+    shb_list_plane made;
+    const double bound = prepare_plane(frame, &l, &p, &made) * (1 + 0x1p-22);
     if (!(bound < (double)HUGE_VALF))
         return;
     triangle->bound = (float)bound;
-    for (int i = 0; i < 3; i++)
-        triangle->plane[i] = made[i];
+    *plane = made;
 }

@@ -21,6 +21,9 @@
 #include "reference/ray.h"
 #include "shadowbias/scene.h"
 
+/* Entries are looked at this many at a time; so many more may be read behind the last one. */
+#define SHB_LIST_STEP 4
+
 typedef struct shb_list_cell {
     uint32_t start; /* of its entries, among the tile's; the next cell's is their end */
     float far;      /* points of the scene behind it are in shadow */
@@ -37,12 +40,13 @@ typedef struct shb_lists {
     uint32_t width, height; /* texels */
     uint32_t tile_columns, tile_rows;
     shb_list_tile *tiles;
-    shb_list_cell *cells; /* of each tile block by block, and one for the end */
+    shb_list_cell *cells; /* of each tile row by row, and one for the end */
     uint32_t *entries;    /* triangles, front to back by their levels */
     /* by id */
     shb_list_triangle *triangles; /* of those that have entries */
-    uint32_t (*corners)[3];       /* vertices */
-    double (*vertices)[3];        /* world */
+    shb_list_plane *planes;
+    uint32_t (*corners)[3]; /* vertices */
+    double (*vertices)[3];  /* world */
     uint32_t id_count;
     size_t memory_bytes;              /* of all the above */
     shb_buffer memory[SHB_LIST_KEPT]; /* where all the above is */
@@ -84,11 +88,8 @@ void shb_lists_query(const shb_lists *lists, const shb_list_points *points, floa
  * one. */
 static inline size_t shb_list_cell_of(const shb_list_tile *tile, uint32_t column, uint32_t row) {
     const int bits = tile->cell_bits;
-    const size_t x = column >> bits, y = row >> bits;
-    const size_t blocks = (size_t)(SHB_LIST_TILE / SHB_LIST_BLOCK) >> bits;
-    const size_t block = y / SHB_LIST_BLOCK * blocks + x / SHB_LIST_BLOCK;
-    return tile->first_cell + block * SHB_LIST_LANES + y % SHB_LIST_BLOCK * SHB_LIST_BLOCK +
-           x % SHB_LIST_BLOCK;
+    return tile->first_cell + ((size_t)(row >> bits) << (SHB_LIST_TILE_BITS - bits)) +
+           (column >> bits);
 }
 
 /* The world corners of a triangle. */

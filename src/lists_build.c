@@ -4,6 +4,8 @@
 
 #include "lists.h"
 
+#include <string.h>
+
 #include "lists_tile.h"
 
 typedef struct build {
@@ -25,9 +27,10 @@ static void *reserve(const build *b, size_t number, size_t count, size_t size) {
 static bool reserve_scene(build *b) {
     shb_lists *lists = b->lists;
     lists->triangles = reserve(b, SHB_LIST_TRIANGLES, lists->id_count, sizeof *lists->triangles);
+    lists->planes = reserve(b, SHB_LIST_PLANES, lists->id_count, sizeof *lists->planes);
     lists->corners = reserve(b, SHB_LIST_CORNERS, lists->id_count, sizeof *lists->corners);
     lists->vertices = reserve(b, SHB_LIST_WORLD, b->vertex_count, sizeof *lists->vertices);
-    return lists->triangles && lists->corners && lists->vertices;
+    return lists->triangles && lists->planes && lists->corners && lists->vertices;
 }
 
 static bool load(build *b, shb_list_bins *bins) {
@@ -49,23 +52,27 @@ static bool load(build *b, shb_list_bins *bins) {
 static bool fill(build *b, const shb_list_bins *bins) {
     shb_lists *lists = b->lists;
     const shb_buffer *entries = &b->context->list_scratch[SHB_LIST_ENTRIES];
-    for (;;) {
-        const size_t room = entries->size / sizeof *lists->entries;
-        lists->entries = entries->data;
+    for (b->entries = 0;;) {
+        const size_t wanted = b->entries + b->entries / 8 + SHB_LIST_STEP;
+        lists->entries = reserve(b, SHB_LIST_ENTRIES, wanted, sizeof *lists->entries);
+        if (!lists->entries)
+            return false;
+        const size_t room = entries->size / sizeof *lists->entries - SHB_LIST_STEP;
         if (!shb_list_tiles_fill(lists, bins, room, &b->entries))
             return false;
         if (b->entries <= room)
-            return true;
-        if (!reserve(b, SHB_LIST_ENTRIES, b->entries + b->entries / 8, sizeof *lists->entries))
-            return false;
+            break;
     }
+    memset(lists->entries + b->entries, 0, SHB_LIST_STEP * sizeof *lists->entries);
+    return true;
 }
 
 static size_t memory_of(const build *b, size_t tiles, size_t cells) {
     const shb_lists *lists = b->lists;
     return sizeof *lists + tiles * sizeof *lists->tiles + cells * sizeof *lists->cells +
            b->entries * sizeof *lists->entries +
-           lists->id_count * (sizeof *lists->triangles + sizeof *lists->corners) +
+           lists->id_count *
+               (sizeof *lists->triangles + sizeof *lists->planes + sizeof *lists->corners) +
            b->vertex_count * sizeof *lists->vertices;
 }
 

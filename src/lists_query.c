@@ -7,17 +7,31 @@
 
 #include <math.h>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+/* Points that are asked in steps, so that the memory of many is on its way at the same time. */
 enum { GROUP = SHB_LIST_GROUP };
 
-/* One point of a group. */
-typedef struct point {
-    double x, y, depth;
-    double world[3];
-    double inverse_w;
-    double scale;
+/* What a point that its cell does not decide has to ask. */
+typedef struct question {
+    const uint32_t *entry, *end;
+    uint32_t number; /* of the point, in the group */
+} question;
+
+/* A group while it is asked. */
+typedef struct inquiry {
+    const shb_lists *lists;
+    const uint32_t *own_ids; /* of the group's points, or NULL */
     double rounding;
-    uint32_t own_id;
-} point;
+    shb_list_group g;
+    size_t count;
+    const shb_list_cell *cells[GROUP]; /* NULL: nothing is near */
+    const uint32_t *entries[GROUP];    /* of the cells' tiles */
+    question questions[GROUP];
+    double places[3][GROUP]; /* of points that are not where the host has them */
+} inquiry;
 
 /* The parameter of a ray at which it leaves what lies behind the near plane. */
 static double near_limit(const shb_list_frame *frame, const shb_ray *ray) {
@@ -32,16 +46,15 @@ static double near_limit(const shb_list_frame *frame, const shb_ray *ray) {
 }
 
 /* The change of the distance behind a plane by the point's own rounding. */
-static double distance_rounding(const shb_list_frame *frame, const shb_list_triangle *triangle,
-                                const point *p) {
-    const double *plane = triangle->plane;
+static double distance_rounding(const inquiry *q, const shb_list_plane *plane, uint32_t number) {
+    const double(*rows)[4] = q->lists->frame.rows;
     double sum = 0;
     for (int i = 0; i < 3; i++) {
-        const double change = (frame->rows[2][i] + plane[0] * frame->rows[0][i]) +
-                              (plane[1] * frame->rows[1][i] + plane[2] * frame->rows[3][i]);
-        sum += fabs(change) * fabs(p->world[i]);
+        const double change = (rows[2][i] + plane->x * rows[0][i]) +
+                              (plane->y * rows[1][i] + plane->one * rows[3][i]);
+        sum += fabs(change) * fabs(q->g.world[i][number]);
     }
-    return sum * (1 + 0x1p-20) * p->inverse_w * p->rounding;
+    return sum * (1 + 0x1p-20) * q->g.inverse_w[number] * q->rounding;
 }
 
 static bool is_finite(const shb_triangle *triangle) {
@@ -52,174 +65,214 @@ static bool is_finite(const shb_triangle *triangle) {
     return true;
 }
 
-/* Decides a triangle in doubt for an exact point. */
-static bool blocks_ray(const shb_lists *lists, uint32_t id, const point *p, shb_ray *ray) {
-    const shb_triangle triangle = shb_lists_triangle(lists, id);
-    if (lists->triangles[id].margin == HUGE_VALF)
-        ray->limit = near_limit(&lists->frame, ray);
-    if (p->own_id >= lists->id_count)
-        return shb_ray_is_blocked(ray, &triangle, NULL);
-    const shb_triangle own = shb_lists_triangle(lists, p->own_id);
-    return shb_ray_is_blocked(ray, &triangle, is_finite(&own) ? &own : NULL);
+static uint32_t own_id_of(const inquiry *q, uint32_t number) {
+    return q->own_ids ? q->own_ids[number] : SHB_ID_NONE;
 }
 
-/* Decides a triangle in doubt; behind is how far the point lies behind its plane, inside whether
- * its ray passes no edge. */
-static bool blocks_exactly(const shb_lists *lists, uint32_t id, const point *p, double behind,
-                           bool inside) {
-    const shb_list_triangle *t = &lists->triangles[id];
-    if (p->rounding > 0) {
-        const double bound = (double)t->bound * p->scale;
-        if (!(behind > bound) || !(behind > bound + distance_rounding(&lists->frame, t, p)) ||
-            p->depth - behind < lists->frame.near_depth)
-            return false;
-        if (inside)
-            return true;
-    }
+/* Decides a triangle in doubt by the ray. */
+static bool blocks_ray(const inquiry *q, uint32_t id, uint32_t number) {
+    const shb_lists *lists = q->lists;
+    const double *const *at = q->g.world;
     shb_ray ray;
-    const shb_vec3 at = {p->world[0], p->world[1], p->world[2]};
-    if (!shb_ray_to_light(&lists->frame.light, at, &ray))
+    if (!shb_ray_to_light(&lists->frame.light,
+                          (shb_vec3){at[0][number], at[1][number], at[2][number]}, &ray))
         return false;
-    if (!(p->rounding > 0))
-        return blocks_ray(lists, id, p, &ray);
     const shb_triangle triangle = shb_lists_triangle(lists, id);
-    return shb_ray_line_meets(&ray, &triangle);
+    if (q->rounding > 0)
+        return shb_ray_line_meets(&ray, &triangle);
+    if (lists->triangles[id].margin == HUGE_VALF)
+        ray.limit = near_limit(&lists->frame, &ray);
+    const uint32_t own_id = own_id_of(q, number);
+    if (own_id >= lists->id_count)
+        return shb_ray_is_blocked(&ray, &triangle, NULL);
+    const shb_triangle own = shb_lists_triangle(lists, own_id);
+    return shb_ray_is_blocked(&ray, &triangle, is_finite(&own) ? &own : NULL);
 }
 
-static bool is_blocked(const shb_lists *lists, const point *p, const uint32_t *entry,
-                       const uint32_t *end) {
-    const float x = (float)p->x, y = (float)p->y, scale = (float)p->scale;
-    for (; entry < end; entry++) {
-        const uint32_t id = *entry;
-        if (entry + 1 < end)
-            __builtin_prefetch(&lists->triangles[entry[1]]);
-        if (id == p->own_id)
-            continue;
-        const shb_list_triangle *t = &lists->triangles[id];
-        if (p->depth < (double)t->nearest)
+/* Decides a triangle that the point's ray meets, or nearly so; inside: it passes no edge. */
+static bool blocks(const inquiry *q, uint32_t id, uint32_t number, bool inside) {
+    const shb_list_triangle *t = &q->lists->triangles[id];
+    const shb_list_plane *plane = &q->lists->planes[id];
+    const shb_list_group *g = &q->g;
+    const double depth = g->depth[number], scale = g->scale[number];
+    const double behind = shb_list_behind(plane, g->x[number], g->y[number], depth);
+    const double bound = (double)t->bound * scale;
+    const bool is_rounded = q->rounding > 0;
+    const double least = is_rounded ? bound + distance_rounding(q, plane, number) : -bound;
+    if (!(behind > least))
+        return false;
+    if (inside && (is_rounded || behind > (double)t->clear * scale))
+        return true;
+    if (is_rounded && depth - behind < q->lists->frame.near_depth)
+        return false;
+    return blocks_ray(q, id, number);
+}
+
+/* The functions of a triangle at a point. */
+static inline void evaluate(const shb_list_triangle *t, float x, float y, float depth,
+                            float f[SHB_LIST_FUNCTIONS]) {
+    for (int i = 0; i < SHB_LIST_FUNCTIONS; i++)
+        f[i] = (t->x[i] * x + t->y[i] * y) + t->one[i];
+    f[SHB_LIST_DEPTH] += depth;
+}
+
+/* One bit for each of the functions that has a minus sign. */
+static inline uint32_t signs_of(const shb_list_triangle *t, float x, float y, float depth) {
+#if defined(__SSE2__)
+    const __m128 x_part = _mm_mul_ps(_mm_load_ps(t->x), _mm_set1_ps(x));
+    const __m128 y_part = _mm_mul_ps(_mm_load_ps(t->y), _mm_set1_ps(y));
+    const __m128 sum = _mm_add_ps(_mm_add_ps(x_part, y_part), _mm_load_ps(t->one));
+    return (uint32_t)_mm_movemask_ps(_mm_add_ps(sum, _mm_setr_ps(-0.0f, -0.0f, -0.0f, depth)));
+#else
+    float f[SHB_LIST_FUNCTIONS];
+    uint32_t signs = 0;
+    evaluate(t, x, y, depth, f);
+    for (int i = 0; i < SHB_LIST_FUNCTIONS; i++)
+        signs |= (uint32_t)(signbit(f[i]) != 0) << i;
+    return signs;
+#endif
+}
+
+/* The ray passes no edge. */
+static bool is_inside(const shb_list_triangle *t, float x, float y) {
+    float f[SHB_LIST_FUNCTIONS];
+    const float margin = 2 * t->margin;
+    evaluate(t, x, y, 0, f);
+    return (f[0] > margin) & (f[1] > margin) & (f[2] > margin);
+}
+
+/* Entries are looked at a few at a time, because what single ones say cannot be foreseen; those
+ * behind the last one are other cells', and their answers are not used. */
+static bool is_blocked(const inquiry *q, const question *asked) {
+    const shb_list_triangle *triangles = q->lists->triangles;
+    const uint32_t number = asked->number, own_id = own_id_of(q, number);
+    const float x = (float)q->g.x[number], y = (float)q->g.y[number];
+    const float depth = (float)q->g.depth[number];
+    for (const uint32_t *entry = asked->entry; entry < asked->end; entry += SHB_LIST_STEP) {
+        const size_t left = (size_t)(asked->end - entry);
+        uint32_t signs = signs_of(&triangles[entry[0]], x, y, depth);
+        for (int i = 1; i < SHB_LIST_STEP && left > 1; i++)
+            signs |= signs_of(&triangles[entry[i]], x, y, depth) << 4 * i;
+        const uint32_t used = left < SHB_LIST_STEP ? (1u << 4 * left) - 1 : 0xffff;
+        uint32_t met = ~(signs | signs >> 1 | signs >> 2 | signs >> 3) & used & 0x1111;
+        for (; met; met &= met - 1) {
+            const uint32_t id = entry[__builtin_ctz(met) / 4];
+            if (id != own_id && blocks(q, id, number, is_inside(&triangles[id], x, y)))
+                return true;
+        }
+        if (signs & 0x8888)
             return false;
-        const float u = (t->u[0] * x + t->u[1] * y) + t->u[2];
-        const float v = (t->v[0] * x + t->v[1] * y) + t->v[2];
-        const float w = (1 - u) - v, margin = t->margin * scale;
-        const float lesser = u < v ? u : v, least = lesser < w ? lesser : w;
-        const double behind = ((t->plane[0] * p->x + t->plane[1] * p->y) + t->plane[2]) + p->depth;
-        if ((least < -margin) | (behind < -(double)t->bound * p->scale))
-            continue;
-        const bool inside = least > margin;
-        if (inside && behind > (double)t->clear * p->scale)
-            return true;
-        if (blocks_exactly(lists, id, p, behind, inside))
-            return true;
     }
     return false;
 }
 
-/* From one of its own triangle's corners, as the truth has it. */
-static void place_on_triangle(const shb_lists *lists, uint32_t id, double weight_1, double weight_2,
-                              double place[3]) {
-    const uint32_t *corners = lists->corners[id];
-    const double *a = lists->vertices[corners[0]], *b = lists->vertices[corners[1]];
-    const double *c = lists->vertices[corners[2]];
-    for (int i = 0; i < 3; i++)
-        place[i] = a[i] + ((b[i] - a[i]) * weight_1 + (c[i] - a[i]) * weight_2);
+/* A point outside the scene is rounded too much for the functions: all triangles are in doubt. */
+static bool is_blocked_outside(const inquiry *q, const question *asked) {
+    for (const uint32_t *entry = asked->entry; entry < asked->end; entry++)
+        if (*entry != own_id_of(q, asked->number) && blocks(q, *entry, asked->number, false))
+            return true;
+    return false;
 }
 
-/* The last point fills up the group. */
-static void load(const shb_lists *lists, const shb_list_points *points, size_t first, size_t count,
-                 shb_list_group *g) {
-    for (size_t i = 0; i < GROUP; i++) {
-        const size_t k = first + (i < count ? i : count - 1);
-        double place[3];
-        if (points->weight_1) {
-            place_on_triangle(lists, points->own_ids[k], (double)points->weight_1[k],
-                              (double)points->weight_2[k], place);
-        } else {
-            place[0] = points->x[k];
-            place[1] = points->y[k];
-            place[2] = points->z[k];
-        }
-        for (int axis = 0; axis < 3; axis++)
-            g->world[axis][i] = place[axis];
+/* From the first corner, as the truth has it. */
+static void place_on_triangles(inquiry *q, const float *weight_1, const float *weight_2) {
+    const shb_lists *lists = q->lists;
+    for (size_t k = 0; k < GROUP; k++) {
+        const size_t point = k < q->count ? k : q->count - 1;
+        const uint32_t *corners = lists->corners[q->own_ids[point]];
+        const double *a = lists->vertices[corners[0]], *b = lists->vertices[corners[1]];
+        const double *c = lists->vertices[corners[2]];
+        for (int i = 0; i < 3; i++)
+            q->places[i][k] = a[i] + ((b[i] - a[i]) * (double)weight_1[point] +
+                                      (c[i] - a[i]) * (double)weight_2[point]);
     }
 }
 
-static point point_of(const shb_list_group *g, size_t i, const shb_list_points *points, size_t k) {
-    return (point){.x = g->x[i],
-                   .y = g->y[i],
-                   .depth = g->depth[i],
-                   .world = {g->world[0][i], g->world[1][i], g->world[2][i]},
-                   .inverse_w = g->inverse_w[i],
-                   .scale = g->scale[i],
-                   .rounding = points->weight_1 ? 0 : points->rounding,
-                   .own_id = points->own_ids ? points->own_ids[k] : SHB_ID_NONE};
+/* Whole groups are read where they are; the last point fills up another. */
+static void load(inquiry *q, const shb_list_points *points, size_t first) {
+    const size_t rest = points->count - first;
+    const double *const from[3] = {points->x, points->y, points->z};
+    q->count = rest < GROUP ? rest : GROUP;
+    q->own_ids = points->own_ids ? points->own_ids + first : NULL;
+    if (points->weight_1)
+        place_on_triangles(q, points->weight_1 + first, points->weight_2 + first);
+    for (int i = 0; i < 3; i++) {
+        q->g.world[i] = q->places[i];
+        if (points->weight_1)
+            continue;
+        if (q->count == GROUP)
+            q->g.world[i] = from[i] + first;
+        for (size_t k = 0; q->count < GROUP && k < GROUP; k++)
+            q->places[i][k] = from[i][first + (k < q->count ? k : q->count - 1)];
+    }
 }
 
-/* What a point that its cell does not decide has to ask. */
-typedef struct question {
-    const uint32_t *entry, *end;
-    uint32_t number; /* in the group */
-} question;
-
-/* Where the entries of the points' cells are; NULL where there are none. */
-static void find_cells(const shb_lists *lists, const shb_list_group *g, size_t count,
-                       const shb_list_cell *cells[GROUP], const uint32_t *entries[GROUP]) {
-    for (size_t i = 0; i < count; i++) {
-        cells[i] = NULL;
-        if (g->column[i] < 0)
+static void find_cells(inquiry *q) {
+    const shb_lists *lists = q->lists;
+    for (size_t i = 0; i < q->count; i++) {
+        q->cells[i] = NULL;
+        if (q->g.column[i] < 0)
             continue;
-        const uint32_t column = (uint32_t)g->column[i], row = (uint32_t)g->row[i];
+        const uint32_t column = (uint32_t)q->g.column[i], row = (uint32_t)q->g.row[i];
         const shb_list_tile *tile =
             &lists->tiles[(size_t)(row / SHB_LIST_TILE) * lists->tile_columns +
                           column / SHB_LIST_TILE];
         if (tile->cell_bits < 0)
             continue;
-        cells[i] =
+        q->cells[i] =
             &lists->cells[shb_list_cell_of(tile, column % SHB_LIST_TILE, row % SHB_LIST_TILE)];
-        entries[i] = lists->entries + tile->first_entry;
-        __builtin_prefetch(cells[i]);
+        q->entries[i] = lists->entries + tile->first_entry;
+        __builtin_prefetch(q->cells[i]);
     }
 }
 
 /* Answers the points that their cells decide; returns how many questions are left. */
-static size_t ask_cells(const shb_list_group *g, size_t count, const shb_list_cell *const *cells,
-                        const uint32_t *const *entries, question *questions, float *visibility) {
+static size_t ask_cells(inquiry *q, float *visibility) {
     size_t left = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < q->count; i++) {
+        const shb_list_cell *cell = q->cells[i];
         visibility[i] = 1;
-        if (!cells[i])
+        if (!cell)
             continue;
-        if (g->depth[i] > (double)cells[i]->far && g->scale[i] == 1) {
+        if (q->g.depth[i] > (double)cell->far && q->g.scale[i] == 1) {
             visibility[i] = 0;
             continue;
         }
-        const uint32_t start = cells[i][0].start, end = cells[i][1].start;
-        questions[left] = (question){entries[i] + start, entries[i] + end, (uint32_t)i};
+        const uint32_t start = cell[0].start, end = cell[1].start;
+        q->questions[left] = (question){q->entries[i] + start, q->entries[i] + end, (uint32_t)i};
+        __builtin_prefetch(q->entries[i] + start);
         left += start < end;
-        __builtin_prefetch(entries[i] + start);
     }
     return left;
 }
 
-/* In steps, so that the memory of many points is on its way at the same time. */
+static void fetch_triangles(const inquiry *q, const question *asked) {
+    const int count = asked->end - asked->entry > 1 ? SHB_LIST_STEP : 1;
+    for (int i = 0; i < count; i++)
+        __builtin_prefetch(&q->lists->triangles[asked->entry[i]]);
+    __builtin_prefetch(&q->lists->planes[asked->entry[0]]);
+}
+
+static void ask_group(inquiry *q, float *visibility) {
+    shb_list_kernels_of(q->lists->context->isa)->locate(&q->lists->frame, &q->g);
+    find_cells(q);
+    const size_t left = ask_cells(q, visibility);
+    for (size_t k = 0; k < left; k++)
+        fetch_triangles(q, &q->questions[k]);
+    for (size_t k = 0; k < left; k++) {
+        const question *asked = &q->questions[k];
+        const bool is_near = q->g.scale[asked->number] == 1;
+        if ((is_near ? is_blocked : is_blocked_outside)(q, asked))
+            visibility[asked->number] = 0;
+    }
+}
+
 void shb_lists_query(const shb_lists *lists, const shb_list_points *points, float *visibility) {
-    const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
+    inquiry q;
+    q.lists = lists;
+    q.rounding = points->weight_1 ? 0 : points->rounding;
     for (size_t first = 0; first < points->count; first += GROUP) {
-        const size_t rest = points->count - first, count = rest < GROUP ? rest : GROUP;
-        shb_list_group g;
-        const shb_list_cell *cells[GROUP];
-        const uint32_t *entries[GROUP];
-        question questions[GROUP];
-        load(lists, points, first, count, &g);
-        kernels->locate(&lists->frame, &g);
-        find_cells(lists, &g, count, cells, entries);
-        const size_t left = ask_cells(&g, count, cells, entries, questions, visibility + first);
-        for (size_t i = 0; i < left; i++)
-            __builtin_prefetch(&lists->triangles[*questions[i].entry]);
-        for (size_t i = 0; i < left; i++) {
-            const size_t number = questions[i].number;
-            const point p = point_of(&g, number, points, first + number);
-            if (is_blocked(lists, &p, questions[i].entry, questions[i].end))
-                visibility[first + number] = 0;
-        }
+        load(&q, points, first);
+        ask_group(&q, visibility + first);
     }
 }

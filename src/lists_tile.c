@@ -78,6 +78,14 @@ static void sort_triangles(const tile_job *job, size_t tile, uint64_t *keys) {
     sort_pass(spare, keys, count, 32 + DIGIT_BITS);
 }
 
+/* From the number of a cell row by row to that block by block. */
+static size_t cell_in_blocks(size_t cell, int cell_bits) {
+    const int row_bits = SHB_LIST_TILE_BITS - cell_bits;
+    const size_t row = cell >> row_bits, column = cell & (((size_t)1 << row_bits) - 1);
+    const size_t block = (row / SHB_LIST_BLOCK << (row_bits - 2)) + column / SHB_LIST_BLOCK;
+    return block * SHB_LIST_LANES + row % SHB_LIST_BLOCK * SHB_LIST_BLOCK + column % SHB_LIST_BLOCK;
+}
+
 /* Entries from the order of triangles to that of cells. */
 static void write_entries(const shb_lists *lists, const shb_list_tile *tile,
                           const shb_list_cover *cover) {
@@ -86,9 +94,10 @@ static void write_entries(const shb_lists *lists, const shb_list_tile *tile,
     shb_list_cell *cells = lists->cells + tile->first_cell;
     uint32_t sum = 0;
     for (size_t i = 0; i < count; i++) {
-        cells[i] = (shb_list_cell){sum, cover->far[i]};
-        next[i] = sum;
-        sum += cover->counts[i];
+        const size_t from = cell_in_blocks(i, tile->cell_bits);
+        cells[i] = (shb_list_cell){sum, cover->far[from]};
+        next[from] = sum;
+        sum += cover->counts[from];
     }
     cells[count] = (shb_list_cell){.start = sum};
     uint32_t *entries = lists->entries + tile->first_entry;
@@ -147,6 +156,7 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
                     .keys = scratch[SHB_LIST_KEYS].data};
     for (size_t i = 0; i < lanes; i++) {
         job.covers[i].triangles = lists->triangles;
+        job.covers[i].planes = lists->planes;
         job.covers[i].boxes = bins->boxes;
         job.covers[i].pairs = (shb_list_pair *)scratch[SHB_LIST_PAIRS].data + i * pairs;
         job.covers[i].pair_capacity = pairs;

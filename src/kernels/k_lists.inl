@@ -43,7 +43,7 @@ static inline float list_maxf(float a, float b) {
 /* The results of prepare, lane by lane. */
 typedef struct prepared {
     SHB_ALIGN double plane[3][LIST_LANES];
-    float u[3][LIST_LANES], v[3][LIST_LANES];
+    float x[3][LIST_LANES], y[3][LIST_LANES], one[3][LIST_LANES];
     float margin[LIST_LANES], bound[LIST_LANES], clear[LIST_LANES], nearest[LIST_LANES];
     int32_t first_column[LIST_LANES], first_row[LIST_LANES];
     int32_t last_column[LIST_LANES], last_row[LIST_LANES], level[LIST_LANES];
@@ -140,32 +140,36 @@ static void prepare_planes(const shb_list_frame *frame, const shb_list_corners *
         out->bound[i] = known ? ROUNDED_UP(bound) : HUGE_VALF;
         out->clear[i] = known ? ROUNDED_UP(clear) : HUGE_VALF;
         const int usable = margin < 0x1p90;
-        out->u[0][i] = usable ? (float)ux : 0.0f;
-        out->u[1][i] = usable ? (float)uy : 0.0f;
-        out->u[2][i] = usable ? (float)u_one : 0.0f;
-        out->v[0][i] = usable ? (float)vx : 0.0f;
-        out->v[1][i] = usable ? (float)vy : 0.0f;
-        out->v[2][i] = usable ? (float)v_one : 0.0f;
+        const double outwards = usable ? margin : (double)HUGE_VALF;
+        out->x[0][i] = usable ? (float)-(ux + vx) : 0.0f;
+        out->y[0][i] = usable ? (float)-(uy + vy) : 0.0f;
+        out->one[0][i] = (float)((usable ? (1 - u_one) - v_one : 0) + outwards);
+        out->x[1][i] = usable ? (float)ux : 0.0f;
+        out->y[1][i] = usable ? (float)uy : 0.0f;
+        out->one[1][i] = (float)((usable ? u_one : 0) + outwards);
+        out->x[2][i] = usable ? (float)vx : 0.0f;
+        out->y[2][i] = usable ? (float)vy : 0.0f;
+        out->one[2][i] = (float)((usable ? v_one : 0) + outwards);
         out->margin[i] = usable ? ROUNDED_UP(margin) : HUGE_VALF;
     }
 }
 
 static void prepare_triangles(const shb_list_frame *frame, const shb_list_corners *corners,
                               shb_list_triangle triangles[LIST_LANES],
-                              shb_list_box boxes[LIST_LANES]) {
+                              shb_list_plane planes[LIST_LANES], shb_list_box boxes[LIST_LANES]) {
     list_spread spread;
     prepared made;
     bound_triangles(frame, corners, &spread, &made);
     prepare_planes(frame, corners, &spread, &made);
     for (int i = 0; i < LIST_LANES; i++) {
+        planes[i] = (shb_list_plane){made.plane[0][i], made.plane[1][i], made.plane[2][i]};
         triangles[i] = (shb_list_triangle){
-            .plane = {made.plane[0][i], made.plane[1][i], made.plane[2][i]},
-            .u = {made.u[0][i], made.u[1][i], made.u[2][i]},
-            .v = {made.v[0][i], made.v[1][i], made.v[2][i]},
+            .x = {made.x[0][i], made.x[1][i], made.x[2][i], 0},
+            .y = {made.y[0][i], made.y[1][i], made.y[2][i], 0},
+            .one = {made.one[0][i], made.one[1][i], made.one[2][i], -made.nearest[i]},
             .margin = made.margin[i],
             .bound = made.bound[i],
             .clear = made.clear[i],
-            .nearest = made.nearest[i],
         };
         boxes[i] = (shb_list_box){(uint16_t)made.first_column[i], (uint16_t)made.first_row[i],
                                   (uint16_t)made.last_column[i], (uint16_t)made.last_row[i],
@@ -182,33 +186,28 @@ typedef struct cell_functions {
     float nearest;
 } cell_functions;
 
-static inline void cell_weight(cell_functions *f, int k, float x, float y, float one, float size,
-                               float margin) {
-    f->x[k] = x;
-    f->y[k] = y;
-    f->best[k] = one + size * (list_maxf(x, 0) + list_maxf(y, 0)) + 2 * margin;
-    f->worst[k] = -size * (fabsf(x) + fabsf(y)) - 4 * margin;
-}
-
-static inline cell_functions cell_functions_of(const shb_list_cover *cover,
-                                               const shb_list_triangle *t) {
+static inline cell_functions cell_functions_of(const shb_list_cover *cover, uint32_t number) {
+    const shb_list_triangle *t = &cover->triangles[number];
+    const shb_list_plane *plane = &cover->planes[number];
     const float column = (float)cover->column, row = (float)cover->row;
     const float size = (float)(1 << cover->cell_bits);
-    const float u = (t->u[0] * column + t->u[1] * row) + t->u[2];
-    const float v = (t->v[0] * column + t->v[1] * row) + t->v[2];
     cell_functions f;
-    cell_weight(&f, 0, t->u[0], t->u[1], u, size, t->margin);
-    cell_weight(&f, 1, t->v[0], t->v[1], v, size, t->margin);
-    cell_weight(&f, 2, -(t->u[0] + t->v[0]), -(t->u[1] + t->v[1]), (1 - u) - v, size, t->margin);
-    const double depth =
-        -((t->plane[0] * (double)cover->column + t->plane[1] * (double)cover->row) + t->plane[2]);
-    const float z = (float)depth, x = (float)-t->plane[0], y = (float)-t->plane[1];
+    for (int k = 0; k < 3; k++) {
+        const float x = t->x[k], y = t->y[k];
+        const float one = ((x * column + y * row) + t->one[k]) + t->margin;
+        f.x[k] = x;
+        f.y[k] = y;
+        f.best[k] = one + size * (list_maxf(x, 0) + list_maxf(y, 0));
+        f.worst[k] = -size * (fabsf(x) + fabsf(y)) - 4 * t->margin;
+    }
+    const double depth = -shb_list_behind(plane, (double)cover->column, (double)cover->row, 0);
+    const float z = (float)depth, x = (float)-plane->x, y = (float)-plane->y;
     const float rounding = 0x1p-21f * (fabsf(z) + SHB_LIST_TILE * (fabsf(x) + fabsf(y)));
     f.slope_x = x;
     f.slope_y = y;
     f.begin = z + size * (list_minf(x, 0) + list_minf(y, 0)) - rounding - t->bound;
     f.end = z + size * (list_maxf(x, 0) + list_maxf(y, 0)) + rounding + t->clear;
-    f.nearest = t->nearest;
+    f.nearest = -t->one[SHB_LIST_DEPTH];
     return f;
 }
 
@@ -248,6 +247,11 @@ static inline uint32_t last_block(uint32_t texel, uint32_t tile, int bits) {
 /* Triangles that are fetched before they are used. */
 enum { LIST_AHEAD = 8 };
 
+static inline void fetch_triangle(const shb_list_cover *cover, uint32_t number) {
+    __builtin_prefetch(&cover->triangles[number]);
+    __builtin_prefetch(&cover->planes[number]);
+}
+
 static bool cover_cells(shb_list_cover *cover) {
     const int block_bits = cover->cell_bits + 2; /* texels of a block's side */
     const uint32_t blocks = SHB_LIST_TILE >> block_bits;
@@ -260,11 +264,11 @@ static bool cover_cells(shb_list_cover *cover) {
     for (size_t k = 0; k < cover->count; k++) {
         const uint32_t number = (uint32_t)cover->keys[k];
         if (k + LIST_AHEAD < cover->count)
-            __builtin_prefetch(&cover->triangles[(uint32_t)cover->keys[k + LIST_AHEAD]]);
+            fetch_triangle(cover, (uint32_t)cover->keys[k + LIST_AHEAD]);
         if (cover->pair_capacity - pairs < (size_t)blocks * blocks * LIST_LANES)
             return false;
         const shb_list_box *box = &cover->boxes[number];
-        const cell_functions f = cell_functions_of(cover, &cover->triangles[number]);
+        const cell_functions f = cell_functions_of(cover, number);
         const uint32_t last_column = last_block(box->last_column, cover->column, block_bits);
         const uint32_t last_row = last_block(box->last_row, cover->row, block_bits);
         for (uint32_t y = first_block(box->first_row, cover->row, block_bits); y <= last_row; y++)
@@ -286,8 +290,9 @@ static bool cover_cells(shb_list_cover *cover) {
 
 static void locate_points(const shb_list_frame *frame, shb_list_group *restrict g) {
     const shb_list_frame f = *frame;
+    const double *const restrict world[3] = {g->world[0], g->world[1], g->world[2]};
     for (int i = 0; i < SHB_LIST_GROUP; i++) {
-        const double px = g->world[0][i], py = g->world[1][i], pz = g->world[2][i];
+        const double px = world[0][i], py = world[1][i], pz = world[2][i];
         const double w = shb_list_row(f.rows[3], px, py, pz), inverse = 1 / w;
         const double x = shb_list_row(f.rows[0], px, py, pz) * inverse;
         const double y = shb_list_row(f.rows[1], px, py, pz) * inverse;

@@ -10,7 +10,8 @@
 #define SHB_LIST_LANES 16
 
 /* The side of a tile in texels, and the least number of its cells on a side. */
-#define SHB_LIST_TILE 64
+#define SHB_LIST_TILE_BITS 6
+#define SHB_LIST_TILE (1 << SHB_LIST_TILE_BITS)
 #define SHB_LIST_BLOCK 4
 
 /* A vertex as the light sees it. */
@@ -34,6 +35,7 @@ typedef struct shb_list_pair {
  * both. */
 typedef struct shb_list_cover {
     const shb_list_triangle *triangles;
+    const shb_list_plane *planes;
     const shb_list_box *boxes;
     const uint64_t *keys; /* triangles in the low halves, front to back */
     size_t count;
@@ -45,12 +47,13 @@ typedef struct shb_list_cover {
     size_t pair_count, pair_capacity;
 } shb_list_cover;
 
-/* Points that ask at the same time, in the world and as the light sees them. */
+/* Points that ask at the same time, as the light sees them. */
 #define SHB_LIST_GROUP 64
 
 typedef struct shb_list_group {
-    SHB_ALIGN double world[3][SHB_LIST_GROUP];
-    double x[SHB_LIST_GROUP], y[SHB_LIST_GROUP], depth[SHB_LIST_GROUP];
+    const double *world[3];
+    SHB_ALIGN double x[SHB_LIST_GROUP];
+    double y[SHB_LIST_GROUP], depth[SHB_LIST_GROUP];
     double inverse_w[SHB_LIST_GROUP];
     double scale[SHB_LIST_GROUP]; /* of the triangles' bounds: above 1 outside the scene */
     int32_t column[SHB_LIST_GROUP], row[SHB_LIST_GROUP]; /* texel; column -1: not in the view */
@@ -60,14 +63,14 @@ typedef struct shb_list_kernels {
     /* Prepares triangles of whole corners. */
     void (*prepare)(const shb_list_frame *frame, const shb_list_corners *corners,
                     shb_list_triangle triangles[SHB_LIST_LANES],
-                    shb_list_box boxes[SHB_LIST_LANES]);
+                    shb_list_plane planes[SHB_LIST_LANES], shb_list_box boxes[SHB_LIST_LANES]);
 
     /* Puts a tile's triangles into its cells. A triangle goes into a cell unless it misses the cell
      * for sure or begins there behind a triangle before it that covers the cell for sure. False if
      * there is no room for all the pairs. */
     bool (*cover)(shb_list_cover *cover);
 
-    /* Finds where the light sees points of the world. */
+    /* Finds where the light sees the points. */
     void (*locate)(const shb_list_frame *frame, shb_list_group *group);
 } shb_list_kernels;
 
