@@ -54,13 +54,15 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
     const int32_t first_column = left - boxes->x[t];
     const W(wf) depth_x = W(wf_splat)(planes->depth_x[t]);
     const W(wf) columns = W(wf_add)(W(wf_splat)((float)first_column), W(wf_lanes)());
-    for (int32_t y = top; y < bottom; y++) {
-        const int32_t j = y - boxes->y[t];
-        const W(wf) base = W(wf_splat)(planes->depth[t] + planes->depth_y[t] * (float)j);
-        const double careful_base = planes->base[t] + planes->step_y[t] * j;
+    const W(wf) depth = W(wf_splat)(planes->depth[t]), depth_y = W(wf_splat)(planes->depth_y[t]);
+    W(wf) rows = W(wf_splat)((float)(top - boxes->y[t]));
+    ptrdiff_t start = (top - tile->y0) * tile->stride + left - tile->x0;
+    for (int32_t y = top; y < bottom; y++, start += tile->stride) {
+        const W(wf) base = W(wf_add)(depth, W(wf_mul)(depth_y, rows));
+        const double careful_base = planes->base[t] + planes->step_y[t] * (y - boxes->y[t]);
         W(wi) edge[3] = {row[0], row[1], row[2]};
         W(wf) column = columns;
-        ptrdiff_t at = (y - tile->y0) * tile->stride + left - tile->x0;
+        ptrdiff_t at = start;
         for (int32_t i = 0; i < right - left; i += LANES, at += LANES) {
             const W(wf) z =
                 plain ? W(wf_add)(base, W(wf_mul)(depth_x, column))
@@ -74,6 +76,7 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
         }
         for (int k = 0; k < 3; k++)
             row[k] = W(wi_add)(row[k], step_y[k]);
+        rows = W(wf_add)(rows, W(wf_splat)(1.0f));
     }
 }
 
@@ -178,10 +181,11 @@ static inline __attribute__((always_inline)) void W(draw_rows)(const shb_tile *t
     }
     const W(wf) along = W(wf_mul)(W(wf_splat)(planes->depth_x[t]),
                                   W(wf_add)(W(wf_splat)((float)shift), W(wf_lanes)()));
-    const float base = planes->depth[t], depth_y = planes->depth_y[t];
+    const W(wf) depth = W(wf_splat)(planes->depth[t]), depth_y = W(wf_splat)(planes->depth_y[t]);
     ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + left - tile->x0;
     for (int j = 0; j < height; j++, at += tile->stride) {
-        const W(wf) z = W(wf_add)(W(wf_splat)(base + depth_y * (float)j), along);
+        const W(wf) base = W(wf_add)(depth, W(wf_mul)(depth_y, W(wf_splat)((float)j)));
+        const W(wf) z = W(wf_add)(base, along);
         W(merge)(tile, layers, at, W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]), z, id);
         for (int k = 0; k < 3; k++)
             edge[k] = W(wi_add)(edge[k], step[k]);
