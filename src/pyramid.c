@@ -5,11 +5,20 @@
 #include "format.h"
 
 #include <math.h>
+#include <string.h>
+
+#if defined(__x86_64__)
+#include <emmintrin.h>
+#endif
 
 enum { SIDE = 1 << SHB_PYRAMID_SHIFT };
 
-/* Bounds that were calculated with slopes give way by this much of the numbers that went in: four
- * times what the rounding of a handful of operations can be. */
+/* Half a row of a cell of texels, or four cells. */
+typedef float floats4 __attribute__((vector_size(16)));
+typedef int32_t masks4 __attribute__((vector_size(16)));
+
+/* Bounds that were calculated with slopes give way by this much of the numbers that went in:
+ * floats4 times what the rounding of a handful of operations can be. */
 #define ROUNDING 0x1p-20f
 
 static float min_of(float a, float b) {
@@ -20,18 +29,54 @@ static float max_of(float a, float b) {
     return a > b ? a : b;
 }
 
-/* The depths of one cell, row by row. */
-typedef struct cell_texels {
-    float depth[SIDE][SIDE];
-    int columns, rows; /* fewer than SIDE at the map's right and lower border */
-} cell_texels;
+static inline floats4 splat4(float value) {
+    return (floats4){value, value, value, value};
+}
 
-/* Level bounds. */
-static shb_pyramid_cell flat_cell(const cell_texels *texels, float far_depth) {
+static inline floats4 load4(const float *p) {
+    floats4 v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+static inline floats4 choose4(masks4 mask, floats4 yes, floats4 no) {
+    return (floats4)((mask & (masks4)yes) | (~mask & (masks4)no));
+}
+
+/* a < b ? a : b and a > b ? a : b */
+#if defined(__x86_64__)
+static inline floats4 min4(floats4 a, floats4 b) {
+    return _mm_min_ps(a, b);
+}
+static inline floats4 max4(floats4 a, floats4 b) {
+    return _mm_max_ps(a, b);
+}
+#else
+static inline floats4 min4(floats4 a, floats4 b) {
+    return choose4(a < b, a, b);
+}
+static inline floats4 max4(floats4 a, floats4 b) {
+    return choose4(a > b, a, b);
+}
+#endif
+
+static inline float sum4(floats4 v) {
+    return (v[0] + v[1]) + (v[2] + v[3]);
+}
+
+/* A strip of texels, the rows of one row of cells, as canonical depth. */
+enum { STRIP = 256 };
+typedef struct strip {
+    float depth[SIDE][STRIP];
+    int columns, rows; /* rows: fewer than SIDE at the map's lower border */
+} strip;
+
+/* Level bounds of a cell of the strip. */
+static shb_pyramid_cell flat_cell(const strip *texels, int column, int columns, float far_depth) {
     shb_pyramid_cell cell = {INFINITY, -INFINITY, 0, 0};
     for (int row = 0; row < texels->rows; row++)
-        for (int i = 0; i < texels->columns; i++) {
-            const float depth = texels->depth[row][i];
+        for (int i = 0; i < columns; i++) {
+            const float depth = texels->depth[row][column + i];
             const float bound = depth < far_depth ? depth : INFINITY;
             cell.nearest = min_of(cell.nearest, bound);
             cell.farthest = max_of(cell.farthest, bound);
@@ -39,27 +84,40 @@ static shb_pyramid_cell flat_cell(const cell_texels *texels, float far_depth) {
     return cell;
 }
 
-/* Slopes of a whole cell: the mean difference between its halves, which are SIDE / 2 apart. */
-static void find_slopes(const cell_texels *texels, shb_pyramid_cell *cell) {
-    float across[SIDE] = {0}, down[SIDE] = {0};
-    for (int row = 0; row < SIDE; row++)
-        for (int i = 0; i < SIDE; i++) {
-            const float depth = texels->depth[row][i];
-            across[i] += depth;
-            down[i] += row < SIDE / 2 ? -depth : depth;
-        }
-    float sum_x = 0, sum_y = 0;
-    for (int i = 0; i < SIDE; i++) {
-        sum_x += i < SIDE / 2 ? -across[i] : across[i];
-        sum_y += down[i];
+/* What is gathered over the rows of a whole cell: bounds, the sums of its left and right half, and
+ * the lower half's depths less those of the upper one. */
+typedef struct cell_sums {
+    floats4 nearest, farthest;
+    floats4 left, right, down;
+} cell_sums;
+
+static cell_sums sum_rows(const strip *texels, int column, float far_depth) {
+    const floats4 far_depths = splat4(far_depth), infinite = splat4(INFINITY);
+    cell_sums sums = {.nearest = infinite, .farthest = splat4(-INFINITY)};
+    for (int row = 0; row < SIDE; row++) {
+        const floats4 left = load4(texels->depth[row] + column);
+        const floats4 right = load4(texels->depth[row] + column + SIDE / 2);
+        const floats4 bound_left = choose4(left < far_depths, left, infinite);
+        const floats4 bound_right = choose4(right < far_depths, right, infinite);
+        sums.nearest = min4(min4(bound_left, bound_right), sums.nearest);
+        sums.farthest = max4(max4(bound_left, bound_right), sums.farthest);
+        sums.left += left;
+        sums.right += right;
+        sums.down += row < SIDE / 2 ? -(left + right) : left + right;
     }
-    const float pairs = SIDE * SIDE / 2 * (SIDE / 2);
-    cell->slope_x = sum_x / pairs;
-    cell->slope_y = sum_y / pairs;
+    return sums;
 }
 
-static bool has_slopes(const shb_pyramid_cell *cell) {
-    return cell->slope_x != 0 || cell->slope_y != 0;
+static void reduce(floats4 nearest, floats4 farthest, shb_pyramid_cell *cell) {
+    cell->nearest = min_of(min_of(nearest[0], nearest[1]), min_of(nearest[2], nearest[3]));
+    cell->farthest = max_of(max_of(farthest[0], farthest[1]), max_of(farthest[2], farthest[3]));
+}
+
+/* Slopes of a whole cell: the mean difference between its halves, which are SIDE / 2 apart. */
+static void find_slopes(const cell_sums *sums, shb_pyramid_cell *cell) {
+    const float pairs = SIDE * SIDE / 2 * (SIDE / 2);
+    cell->slope_x = sum4(sums->right - sums->left) / pairs;
+    cell->slope_y = sum4(sums->down) / pairs;
 }
 
 /* False for a slope that is no number or beyond what receivers have. */
@@ -74,30 +132,20 @@ static void widen(shb_pyramid_cell *cell, float size, float depth) {
     cell->farthest += rounding;
 }
 
-/* Bounds along the mean slopes of a whole cell without empty texels. */
-static shb_pyramid_cell sloped_cell(const cell_texels *texels, const shb_pyramid_cell *flat) {
-    shb_pyramid_cell cell = {INFINITY, -INFINITY, 0, 0};
-    find_slopes(texels, &cell);
-    if (!is_usable(&cell))
-        return *flat;
-    float nearest[SIDE], farthest[SIDE];
-    for (int i = 0; i < SIDE; i++) {
-        nearest[i] = INFINITY;
-        farthest[i] = -INFINITY;
+/* Bounds of a whole cell without empty texels along its slopes. */
+static void find_bounds(const strip *texels, int column, shb_pyramid_cell *cell) {
+    const floats4 columns = {0, 1, 2, 3};
+    const floats4 run_left = columns * cell->slope_x;
+    const floats4 run_right = (columns + SIDE / 2) * cell->slope_x;
+    floats4 nearest = splat4(INFINITY), farthest = splat4(-INFINITY);
+    for (int row = 0; row < SIDE; row++) {
+        const float down = (float)row * cell->slope_y;
+        const floats4 left = load4(texels->depth[row] + column) - (run_left + down);
+        const floats4 right = load4(texels->depth[row] + column + SIDE / 2) - (run_right + down);
+        nearest = min4(min4(left, right), nearest);
+        farthest = max4(max4(left, right), farthest);
     }
-    for (int row = 0; row < SIDE; row++)
-        for (int i = 0; i < SIDE; i++) {
-            const float run = (float)i * cell.slope_x + (float)row * cell.slope_y;
-            const float rest = texels->depth[row][i] - run;
-            nearest[i] = min_of(nearest[i], rest);
-            farthest[i] = max_of(farthest[i], rest);
-        }
-    for (int i = 0; i < SIDE; i++) {
-        cell.nearest = min_of(cell.nearest, nearest[i]);
-        cell.farthest = max_of(cell.farthest, farthest[i]);
-    }
-    widen(&cell, SIDE, max_of(fabsf(flat->nearest), fabsf(flat->farthest)));
-    return cell;
+    reduce(nearest, farthest, cell);
 }
 
 /* The narrower one; the first where there is no telling. */
@@ -105,12 +153,15 @@ static shb_pyramid_cell narrower(const shb_pyramid_cell *a, const shb_pyramid_ce
     return b->farthest - b->nearest < a->farthest - a->nearest ? *b : *a;
 }
 
-static shb_pyramid_cell cell_of_texels(const cell_texels *texels, float far_depth) {
-    const shb_pyramid_cell flat = flat_cell(texels, far_depth);
-    const bool whole = texels->columns == SIDE && texels->rows == SIDE;
-    if (!whole || !(flat.farthest < INFINITY))
+static shb_pyramid_cell whole_cell(const strip *texels, int column, float far_depth) {
+    const cell_sums sums = sum_rows(texels, column, far_depth);
+    shb_pyramid_cell flat = {0}, sloped = {0};
+    reduce(sums.nearest, sums.farthest, &flat);
+    find_slopes(&sums, &sloped);
+    if (!(flat.farthest < INFINITY) || !is_usable(&sloped))
         return flat;
-    const shb_pyramid_cell sloped = sloped_cell(texels, &flat);
+    find_bounds(texels, column, &sloped);
+    widen(&sloped, SIDE, max_of(fabsf(flat.nearest), fabsf(flat.farthest)));
     return narrower(&flat, &sloped);
 }
 
@@ -123,11 +174,10 @@ typedef struct build_work {
     float size;
 } build_work;
 
-static void load_texels(const shb_map *map, uint32_t column, uint32_t row, cell_texels *texels) {
+static void load_strip(const shb_map *map, uint32_t column, uint32_t row, strip *texels) {
     const shb_map_info *info = &map->info;
-    const size_t texel_size = shb_format_size(info->format);
-    const char *start = (const char *)map->depth.texels + column * texel_size;
-    texels->columns = info->width - column < SIDE ? (int)(info->width - column) : SIDE;
+    const char *start = (const char *)map->depth.texels + column * shb_format_size(info->format);
+    texels->columns = info->width - column < STRIP ? (int)(info->width - column) : STRIP;
     texels->rows = info->height - row < SIDE ? (int)(info->height - row) : SIDE;
     for (int i = 0; i < texels->rows; i++)
         shb_format_load(info->format, info->view.reversed, (size_t)texels->columns,
@@ -136,76 +186,87 @@ static void load_texels(const shb_map *map, uint32_t column, uint32_t row, cell_
 
 static void build_texels_row(void *arg, size_t row) {
     const build_work *work = arg;
-    const shb_pyramid_level *level = work->made;
-    const float far_depth = shb_far_depth(work->map->info.view.reversed);
-    cell_texels texels;
-    for (uint32_t i = 0; i < level->columns; i++) {
-        load_texels(work->map, i * SIDE, (uint32_t)row * SIDE, &texels);
-        level->cells[row * level->columns + i] = cell_of_texels(&texels, far_depth);
-    }
-}
-
-/* Widens the bounds, which have their slopes, by those of a child that begins at (x, y). */
-static void add_child(shb_pyramid_cell *cell, const shb_pyramid_cell *child, float x, float y,
-                      float size) {
-    if (child->nearest == INFINITY) { /* nothing but empty texels */
-        cell->farthest = INFINITY;
-        return;
-    }
-    const float more_x = (child->slope_x - cell->slope_x) * (size - 1);
-    const float more_y = (child->slope_y - cell->slope_y) * (size - 1);
-    const float run = x * cell->slope_x + y * cell->slope_y;
-    shb_pyramid_cell moved = *child;
-    moved.nearest = (child->nearest - run) + (min_of(more_x, 0) + min_of(more_y, 0));
-    moved.farthest = (child->farthest - run) + (max_of(more_x, 0) + max_of(more_y, 0));
-    if (has_slopes(cell) || has_slopes(child))
-        widen(&moved, size, fabsf(child->nearest) + 2 * fabsf(run));
-    cell->nearest = min_of(cell->nearest, moved.nearest);
-    cell->farthest = max_of(cell->farthest, moved.farthest);
-}
-
-/* Four cells next to each other. */
-typedef struct children {
-    const shb_pyramid_cell *cells[4]; /* NULL beyond the map */
-    float size;
-} children;
-
-static shb_pyramid_cell cell_of_children(const children *from, float slope_x, float slope_y) {
-    shb_pyramid_cell cell = {INFINITY, -INFINITY, slope_x, slope_y};
-    for (int k = 0; k < 4; k++)
-        if (from->cells[k])
-            add_child(&cell, from->cells[k], k & 1 ? from->size : 0, k & 2 ? from->size : 0,
-                      from->size);
-    return cell;
-}
-
-static shb_pyramid_cell merge(const children *from) {
-    float slope_x = 0, slope_y = 0, count = 0;
-    for (int k = 0; k < 4; k++)
-        if (from->cells[k]) {
-            slope_x += from->cells[k]->slope_x;
-            slope_y += from->cells[k]->slope_y;
-            count += 1;
+    const shb_map *map = work->map;
+    const float far_depth = shb_far_depth(map->info.view.reversed);
+    shb_pyramid_cell *cell = work->made->cells + row * work->made->columns;
+    strip texels;
+    for (uint32_t first = 0; first < map->info.width; first += STRIP) {
+        load_strip(map, first, (uint32_t)row * SIDE, &texels);
+        for (int i = 0; i < texels.columns; i += SIDE) {
+            const int columns = texels.columns - i < SIDE ? texels.columns - i : SIDE;
+            *cell++ = columns == SIDE && texels.rows == SIDE
+                          ? whole_cell(&texels, i, far_depth)
+                          : flat_cell(&texels, i, columns, far_depth);
         }
-    const shb_pyramid_cell flat = cell_of_children(from, 0, 0);
+    }
+}
+
+/* Cells next to each other, lane by lane; beyond the map the one before stands in. */
+typedef struct four_cells {
+    floats4 nearest, farthest, slope_x, slope_y;
+    floats4 x, y; /* where they begin */
+    float size;
+} four_cells;
+
+static four_cells load_cells(const build_work *work, uint32_t column, uint32_t row) {
+    const shb_pyramid_level *from = work->from;
+    const bool right = work->every * (column + 1) < from->columns;
+    const bool below = work->every * (row + 1) < from->rows;
+    const shb_pyramid_cell *a =
+        &from->cells[(size_t)work->every * row * from->columns + work->every * column];
+    const shb_pyramid_cell *b = a + (right ? work->every : 0);
+    const size_t down = below ? (size_t)work->every * from->columns : 0;
+    const shb_pyramid_cell *c = a + down, *d = b + down;
+    const float x = right ? work->size : 0, y = below ? work->size : 0;
+    return (four_cells){.nearest = {a->nearest, b->nearest, c->nearest, d->nearest},
+                        .farthest = {a->farthest, b->farthest, c->farthest, d->farthest},
+                        .slope_x = {a->slope_x, b->slope_x, c->slope_x, d->slope_x},
+                        .slope_y = {a->slope_y, b->slope_y, c->slope_y, d->slope_y},
+                        .x = {0, x, 0, x},
+                        .y = {0, 0, y, y},
+                        .size = work->size};
+}
+
+static inline floats4 abs4(floats4 v) {
+    return max4(v, -v);
+}
+
+/* Bounds of all four along these slopes. Empty cells, whose bounds are infinite, widen no nearest
+ * one. */
+static shb_pyramid_cell merge_along(const four_cells *cells, float slope_x, float slope_y) {
+    const floats4 zero = splat4(0);
+    const floats4 more_x = (cells->slope_x - slope_x) * (cells->size - 1);
+    const floats4 more_y = (cells->slope_y - slope_y) * (cells->size - 1);
+    const floats4 run = cells->x * slope_x + cells->y * slope_y;
+    const floats4 low = min4(more_x, zero) + min4(more_y, zero);
+    const floats4 high = max4(more_x, zero) + max4(more_y, zero);
+    const floats4 rise =
+        (fabsf(slope_x) + fabsf(slope_y)) + (abs4(cells->slope_x) + abs4(cells->slope_y));
+    const floats4 depth = choose4(cells->nearest < INFINITY, abs4(cells->nearest), zero);
+    const floats4 size = depth + 2 * cells->size * rise;
+    const floats4 rounding = choose4(rise > 0, ROUNDING * size, zero);
+    shb_pyramid_cell merged = {.slope_x = slope_x, .slope_y = slope_y};
+    reduce(((cells->nearest - run) + low) - rounding, ((cells->farthest - run) + high) + rounding,
+           &merged);
+    return merged;
+}
+
+/* Along the mean slopes, or level. */
+static shb_pyramid_cell merge(const four_cells *cells) {
+    const shb_pyramid_cell flat = merge_along(cells, 0, 0);
     if (!(flat.farthest < INFINITY))
         return flat;
-    const shb_pyramid_cell sloped = cell_of_children(from, slope_x / count, slope_y / count);
+    const shb_pyramid_cell sloped =
+        merge_along(cells, sum4(cells->slope_x) / 4, sum4(cells->slope_y) / 4);
     return narrower(&flat, &sloped);
 }
 
 static void build_row(void *arg, size_t row) {
     const build_work *work = arg;
-    const shb_pyramid_level *level = work->made, *from = work->from;
+    const shb_pyramid_level *level = work->made;
     for (uint32_t i = 0; i < level->columns; i++) {
-        children quad = {.size = work->size};
-        for (uint32_t k = 0; k < 4; k++) {
-            const uint32_t x = work->every * (i + (k & 1));
-            const uint32_t y = work->every * ((uint32_t)row + (k >> 1));
-            if (x < from->columns && y < from->rows)
-                quad.cells[k] = &from->cells[(size_t)y * from->columns + x];
-        }
-        level->cells[row * level->columns + i] = merge(&quad);
+        const four_cells cells = load_cells(work, i, (uint32_t)row);
+        level->cells[row * level->columns + i] = merge(&cells);
     }
 }
 

@@ -28,48 +28,64 @@ static bool can_gather(const shb_map *map) {
            map->depth.stride / 4 <= (size_t)INT32_MAX / map->info.height;
 }
 
-/* Texels as they are stored, all inside the map. */
-static inline ALWAYS_INLINE vf read_lanes(const shb_map *map, bool gathers, vi x, vi y) {
-    if (gathers)
-        return vf_gather(map->depth.texels, x + y * (int32_t)(map->depth.stride / 4));
+/* Taps of WIDE fragments: texels counted from the own ones, as floats and, with ROUNDING added, as
+ * ints in the low bits of floats. */
+typedef struct pcss_taps {
+    vf m, n;
+    vi m_bits, n_bits;
+} pcss_taps;
+
+/* What the map stores at taps that all lie inside. Sums of ints wrap, so that the bits of ROUNDING
+ * leave the number of the texel by one subtraction for all taps, which own_texel holds. */
+static inline ALWAYS_INLINE vf read_inside(const shb_map *map, vi own_texel,
+                                           const pcss_taps *taps) {
+    const int32_t stride = (int32_t)(map->depth.stride / 4);
+    return vf_gather(
+        map->depth.texels,
+        (vi)(((vu)taps->n_bits * (vu)vi_splat(stride) + (vu)own_texel) + (vu)taps->m_bits));
+}
+
+/* The same for any format and any taps; inside tells which lie inside. */
+static inline ALWAYS_INLINE vf read_anywhere(const shb_map *map, const pcss_lanes *own,
+                                             const pcss_taps *taps, vi *inside) {
+    const vi rounding = (vi)vf_splat(ROUNDING);
+    const vi x = own->texel_x + (vi)((vu)taps->m_bits - (vu)rounding);
+    const vi y = own->texel_y + (vi)((vu)taps->n_bits - (vu)rounding);
+    *inside = ((vu)x < map->info.width) & ((vu)y < map->info.height);
     int32_t column[WIDE], row[WIDE];
     float stored[WIDE] = {0};
-    memcpy(column, &x, sizeof column);
-    memcpy(row, &y, sizeof row);
+    vi_store(column, x & *inside);
+    vi_store(row, y & *inside);
     read_texels(map, WIDE, column, row, stored);
     return vf_load(stored);
 }
 
-/* The first count points of the disk. */
+/* The first count points of the disk; inside: all lie inside a map whose texels can be gathered.
+ * sums: depths are asked for. */
 static inline ALWAYS_INLINE pcss_blocked ask_disk(const shb_pcss *pcss, const shb_map *map,
                                                   const pcss_lanes *own, vf radius_x, vf radius_y,
-                                                  int count, bool sums, bool gathers, bool inside) {
+                                                  int count, bool sums, bool inside) {
     const vf xx = radius_x * own->cosine, xy = radius_x * own->sine;
     const vf yx = radius_y * own->sine, yy = radius_y * own->cosine;
     const float sign = map->info.view.reversed ? -1.0f : 1.0f;
-    const vf far_depth = vf_splat(pcss->far_depth);
-    const vf rounding = vf_splat(ROUNDING);
-    const uint32_t width = map->info.width, height = map->info.height;
+    const vf far_depth = vf_splat(pcss->far_depth), rounding = vf_splat(ROUNDING);
+    const vu stride = (vu)vi_splat((int32_t)(map->depth.stride / 4));
+    const vu own_texel = ((vu)own->texel_y - (vu)rounding) * stride + (vu)own->texel_x;
+    const vi origin = (vi)(own_texel - (vu)rounding);
     vf depth = {0};
     vi hits = {0};
     for (int k = 0; k < count; k++) {
         const float px = pcss->points[k][0], py = pcss->points[k][1];
-        const vf rounded_x = ((xx * px - xy * py) - own->to_center_x) + rounding;
-        const vf rounded_y = ((yx * px + yy * py) - own->to_center_y) + rounding;
-        vi x = own->texel_x + ((vi)rounded_x - (vi)rounding);
-        vi y = own->texel_y + ((vi)rounded_y - (vi)rounding);
-        vi inside_map;
-        if (!inside) {
-            inside_map = ((vu)x < width) & ((vu)y < height);
-            x &= inside_map;
-            y &= inside_map;
-        }
-        const vf stored = sign * read_lanes(map, gathers, x, y);
-        const vf tap = (own->ref + (rounded_x - rounding) * own->step_x) +
-                       (rounded_y - rounding) * own->step_y;
+        const vf x = ((xx * px - xy * py) - own->to_center_x) + rounding;
+        const vf y = ((yx * px + yy * py) - own->to_center_y) + rounding;
+        const pcss_taps taps = {x - rounding, y - rounding, (vi)x, (vi)y};
+        const vf tap = (own->ref + taps.m * own->step_x) + taps.n * own->step_y;
+        vi in_map;
+        const vf stored = sign * (inside ? read_inside(map, origin, &taps)
+                                         : read_anywhere(map, own, &taps, &in_map));
         vi blocked = stored < vf_min(tap, far_depth);
         if (!inside)
-            blocked &= inside_map;
+            blocked &= in_map;
         hits -= blocked;
         if (sums)
             depth += vf_keep(blocked, stored);
@@ -95,11 +111,9 @@ static bool all_inside(const shb_map *map, const pcss_lanes *own, vf radius_x, v
 static inline ALWAYS_INLINE pcss_blocked ask_disk_of(const shb_pcss *pcss, const shb_map *map,
                                                      const pcss_lanes *own, vf radius_x,
                                                      vf radius_y, int count, bool sums) {
-    if (!can_gather(map))
-        return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, false, false);
-    if (all_inside(map, own, radius_x, radius_y))
-        return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, true, true);
-    return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, true, false);
+    if (can_gather(map) && all_inside(map, own, radius_x, radius_y))
+        return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, true);
+    return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, false);
 }
 
 /* SQUARE texels of a row, as they are stored, from a column on that may lie outside the map. */

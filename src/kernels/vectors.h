@@ -26,6 +26,9 @@ static inline vi vi_load(const int32_t *p) {
 static inline void vf_store(float *p, vf v) {
     memcpy(p, &v, sizeof v);
 }
+static inline void vi_store(int32_t *p, vi v) {
+    memcpy(p, &v, sizeof v);
+}
 static inline vf vf_where(vi mask, vf yes, vf no) {
     return (vf)((mask & (vi)yes) | (~mask & (vi)no));
 }
@@ -34,7 +37,20 @@ static inline vf vf_keep(vi mask, vf a) {
     return (vf)(mask & (vi)a);
 }
 
-/* vf_min, vf_max: a < b ? a : b, a > b ? a : b. vi_any: true if the mask is set in some lane. */
+#if WIDE >= 8
+/* Single loads take a third of the time of a gather instruction (Zen 5). */
+static inline __m256 gather_eight(const float *base, __m256i index) {
+    const uint64_t a = (uint64_t)_mm256_extract_epi64(index, 0);
+    const uint64_t b = (uint64_t)_mm256_extract_epi64(index, 1);
+    const uint64_t c = (uint64_t)_mm256_extract_epi64(index, 2);
+    const uint64_t d = (uint64_t)_mm256_extract_epi64(index, 3);
+    return _mm256_setr_ps(base[(uint32_t)a], base[a >> 32], base[(uint32_t)b], base[b >> 32],
+                          base[(uint32_t)c], base[c >> 32], base[(uint32_t)d], base[d >> 32]);
+}
+#endif
+
+/* vf_gather: the floats at these indices, which are not negative.
+ * vf_min, vf_max: a < b ? a : b, a > b ? a : b. vi_any: true if the mask is set in some lane. */
 #if WIDE == 16
 static inline vf vf_min(vf a, vf b) {
     return _mm512_min_ps(a, b);
@@ -46,10 +62,9 @@ static inline bool vi_any(vi mask) {
     return _mm512_movepi32_mask((__m512i)mask) != 0;
 }
 static inline vf vf_gather(const float *base, vi index) {
-    return _mm512_i32gather_ps((__m512i)index, base, 4);
-}
-static inline vi vi_gather(const int32_t *base, vi index) {
-    return (vi)_mm512_i32gather_epi32((__m512i)index, base, 4);
+    const __m256 low = gather_eight(base, _mm512_castsi512_si256((__m512i)index));
+    const __m256 high = gather_eight(base, _mm512_extracti64x4_epi64((__m512i)index, 1));
+    return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
 }
 #elif WIDE == 8
 static inline vf vf_min(vf a, vf b) {
@@ -62,10 +77,7 @@ static inline bool vi_any(vi mask) {
     return _mm256_movemask_ps((__m256)mask) != 0;
 }
 static inline vf vf_gather(const float *base, vi index) {
-    return _mm256_i32gather_ps(base, (__m256i)index, 4);
-}
-static inline vi vi_gather(const int32_t *base, vi index) {
-    return (vi)_mm256_i32gather_epi32(base, (__m256i)index, 4);
+    return gather_eight(base, (__m256i)index);
 }
 #else
 #if defined(__x86_64__) && WIDE == 4
@@ -91,12 +103,6 @@ static inline bool vi_any(vi mask) {
 }
 static inline vf vf_gather(const float *base, vi index) {
     vf v;
-    for (int i = 0; i < WIDE; i++)
-        v[i] = base[index[i]];
-    return v;
-}
-static inline vi vi_gather(const int32_t *base, vi index) {
-    vi v;
     for (int i = 0; i < WIDE; i++)
         v[i] = base[index[i]];
     return v;
