@@ -269,36 +269,52 @@ static plain_outcome ask_pyramid(const shb_pcss *pcss, const shb_map *map, const
     return (plain_outcome){plain.lit & wanted, plain.dark & wanted};
 }
 
-/* The filter's kernel lies within that of the search, so what is plain there is plain here. */
-static vf pcss_of_lanes(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own) {
+/* Fragments that the pyramid left open, and the answers to all others. */
+typedef struct pcss_open {
+    vi lanes;
+    vf visibility;
+} pcss_open;
+
+static vf pcss_of_lanes(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own,
+                        vf search_x, vf search_y, pcss_open open) {
     const vf near_depth = vf_splat(pcss->near_depth);
-    const vf search_x = radius_lanes(pcss->texels_x, own->depth, near_depth);
-    const vf search_y = radius_lanes(pcss->texels_y, own->depth, near_depth);
-    vf visibility = vf_splat(1.0f);
-    vi wanted = ((vu)own->texel_x < map->info.width) & ((vu)own->texel_y < map->info.height);
-    if (pcss->pyramid) {
-        const plain_outcome plain = ask_pyramid(pcss, map, own, search_x, search_y, wanted);
-        visibility = vf_where(plain.dark, vf_splat(0.0f), visibility);
-        wanted &= ~(plain.lit | plain.dark);
-    }
-    if (!vi_any(wanted))
-        return visibility;
-    const pcss_blocked blockers = search(pcss, map, own, search_x, search_y, wanted);
-    wanted &= blockers.weight > 0;
-    if (!vi_any(wanted))
-        return visibility;
+    const pcss_blocked blockers = search(pcss, map, own, search_x, search_y, open.lanes);
+    open.lanes &= blockers.weight > 0;
+    if (!vi_any(open.lanes))
+        return open.visibility;
     const vf mean = vf_max(blockers.depth / blockers.weight, near_depth);
     const vf radius_x = radius_lanes(pcss->texels_x, own->depth, mean);
     const vf radius_y = radius_lanes(pcss->texels_y, own->depth, mean);
-    const pcss_blocked filtered = filter(pcss, map, own, radius_x, radius_y, wanted);
-    return vf_where(wanted, (filtered.all - filtered.weight) / filtered.all, visibility);
+    const pcss_blocked filtered = filter(pcss, map, own, radius_x, radius_y, open.lanes);
+    const vf lit = (filtered.all - filtered.weight) / filtered.all;
+    return vf_where(open.lanes, lit, open.visibility);
 }
 
+/* After a question to the pyramid that settled nothing, so many vectors are not asked for. */
+#define PCSS_PAUSE 3
+
+/* The filter's kernel lies within that of the search, so what is plain there is plain here. */
 static void pcss_batch(const shb_pcss *pcss, const shb_map *map, size_t count,
                        const shb_receivers *restrict receivers, float *restrict visibility) {
     const size_t lanes = shb_round_to_lanes(count);
+    const vf near_depth = vf_splat(pcss->near_depth);
+    int pause = 0;
     for (size_t i = 0; i < lanes; i += WIDE) {
         const pcss_lanes own = load_pcss_lanes(pcss, receivers, i);
-        vf_store(visibility + i, pcss_of_lanes(pcss, map, &own));
+        const vf search_x = radius_lanes(pcss->texels_x, own.depth, near_depth);
+        const vf search_y = radius_lanes(pcss->texels_y, own.depth, near_depth);
+        pcss_open open = {((vu)own.texel_x < map->info.width) &
+                              ((vu)own.texel_y < map->info.height),
+                          vf_splat(1.0f)};
+        if (pcss->pyramid && pause-- <= 0) {
+            const plain_outcome plain =
+                ask_pyramid(pcss, map, &own, search_x, search_y, open.lanes);
+            open.visibility = vf_where(plain.dark, vf_splat(0.0f), open.visibility);
+            open.lanes &= ~(plain.lit | plain.dark);
+            pause = vi_any(plain.lit | plain.dark) ? 0 : PCSS_PAUSE;
+        }
+        if (vi_any(open.lanes))
+            open.visibility = pcss_of_lanes(pcss, map, &own, search_x, search_y, open);
+        vf_store(visibility + i, open.visibility);
     }
 }

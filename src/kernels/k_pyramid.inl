@@ -16,21 +16,46 @@ typedef struct plain_outcome {
  * the rounding of a handful of operations can be. */
 #define PLAIN_ROUNDING 0x1p-20f
 
+/* The cells of lanes i, i + 4, i + 8, ... one after the other. */
+#if WIDE == 16
+static inline ALWAYS_INLINE vf load_every_fourth(const shb_pyramid_cell *cells, vi index, int i) {
+    const __m128 first = _mm_loadu_ps(&cells[index[i]].nearest);
+    const vf one = _mm512_castps128_ps512(first);
+    const vf two = _mm512_insertf32x4(one, _mm_loadu_ps(&cells[index[i + 4]].nearest), 1);
+    const vf three = _mm512_insertf32x4(two, _mm_loadu_ps(&cells[index[i + 8]].nearest), 2);
+    return _mm512_insertf32x4(three, _mm_loadu_ps(&cells[index[i + 12]].nearest), 3);
+}
+#define UNPACK(part, a, b) _mm512_unpack##part##_ps(a, b)
+#define SHUFFLE(a, b, order) _mm512_shuffle_ps(a, b, order)
+#elif WIDE == 8
+static inline ALWAYS_INLINE vf load_every_fourth(const shb_pyramid_cell *cells, vi index, int i) {
+    const vf one = _mm256_castps128_ps256(_mm_loadu_ps(&cells[index[i]].nearest));
+    return _mm256_insertf128_ps(one, _mm_loadu_ps(&cells[index[i + 4]].nearest), 1);
+}
+#define UNPACK(part, a, b) _mm256_unpack##part##_ps(a, b)
+#define SHUFFLE(a, b, order) _mm256_shuffle_ps(a, b, order)
+#elif WIDE == 4 && defined(__x86_64__)
+static inline ALWAYS_INLINE vf load_every_fourth(const shb_pyramid_cell *cells, vi index, int i) {
+    return _mm_loadu_ps(&cells[index[i]].nearest);
+}
+#define UNPACK(part, a, b) _mm_unpack##part##_ps(a, b)
+#define SHUFFLE(a, b, order) _mm_shuffle_ps(a, b, order)
+#endif
+
 /* The numbers of WIDE cells. */
 static inline ALWAYS_INLINE void read_cells(const shb_pyramid_cell *cells, vi index, vf *nearest,
                                             vf *farthest, vf *slope_x, vf *slope_y) {
-#if WIDE == 8
-    vf four[4];
-    for (int i = 0; i < 4; i++)
-        four[i] =
-            _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(&cells[index[i]].nearest)),
-                                 _mm_loadu_ps(&cells[index[i + 4]].nearest), 1);
-    const vf a = _mm256_unpacklo_ps(four[0], four[1]), b = _mm256_unpackhi_ps(four[0], four[1]);
-    const vf c = _mm256_unpacklo_ps(four[2], four[3]), d = _mm256_unpackhi_ps(four[2], four[3]);
-    *nearest = _mm256_shuffle_ps(a, c, _MM_SHUFFLE(1, 0, 1, 0));
-    *farthest = _mm256_shuffle_ps(a, c, _MM_SHUFFLE(3, 2, 3, 2));
-    *slope_x = _mm256_shuffle_ps(b, d, _MM_SHUFFLE(1, 0, 1, 0));
-    *slope_y = _mm256_shuffle_ps(b, d, _MM_SHUFFLE(3, 2, 3, 2));
+#if defined(UNPACK)
+    const vf first = load_every_fourth(cells, index, 0);
+    const vf second = load_every_fourth(cells, index, 1);
+    const vf third = load_every_fourth(cells, index, 2);
+    const vf fourth = load_every_fourth(cells, index, 3);
+    const vf a = UNPACK(lo, first, second), b = UNPACK(hi, first, second);
+    const vf c = UNPACK(lo, third, fourth), d = UNPACK(hi, third, fourth);
+    *nearest = SHUFFLE(a, c, _MM_SHUFFLE(1, 0, 1, 0));
+    *farthest = SHUFFLE(a, c, _MM_SHUFFLE(3, 2, 3, 2));
+    *slope_x = SHUFFLE(b, d, _MM_SHUFFLE(1, 0, 1, 0));
+    *slope_y = SHUFFLE(b, d, _MM_SHUFFLE(3, 2, 3, 2));
 #else
     *nearest = vf_gather(&cells->nearest, 4 * index);
     *farthest = vf_gather(&cells->farthest, 4 * index);
