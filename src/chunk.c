@@ -51,26 +51,12 @@ static void transform_run(chunk_job *job, const shb_draw_instance *instance, uin
         atomic_store_explicit(&job->any_coded, true, memory_order_relaxed);
 }
 
-/* The instance of a vertex: the last one that starts at or before it (instances without vertices
- * have no triangles and are not in the list). */
-static const shb_draw_instance *instance_of_vertex(const shb_geometry *geometry, uint64_t vertex) {
-    size_t lo = 0, hi = geometry->instance_count;
-    while (hi - lo > 1) {
-        const size_t middle = lo + (hi - lo) / 2;
-        if (geometry->instances[middle].first_vertex <= vertex)
-            lo = middle;
-        else
-            hi = middle;
-    }
-    return &geometry->instances[lo];
-}
-
 static void transform_block(void *arg, size_t index) {
     chunk_job *job = arg;
     uint64_t first = (uint64_t)index * VERTICES_PER_TASK;
     const uint64_t left = job->geometry->vertex_count - first;
     const uint64_t end = first + (left < VERTICES_PER_TASK ? left : VERTICES_PER_TASK);
-    const shb_draw_instance *instance = instance_of_vertex(job->geometry, first);
+    const shb_draw_instance *instance = shb_geometry_instance_of_vertex(job->geometry, first);
     for (; first < end; instance++) {
         const uint64_t instance_end = instance->first_vertex + instance->mesh->vertex_count;
         const uint64_t run_end = instance_end < end ? instance_end : end;

@@ -5,6 +5,8 @@
 #include "scene.h"
 #include "scratch.h"
 
+#include <stddef.h>
+
 /* A front face is counter-clockwise with y up, so its area is negative with y down. */
 static void choose_faces(const shb_instance *instance, bool flip, bool mirrors,
                          shb_draw_instance *drawn) {
@@ -56,16 +58,29 @@ bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_g
     return true;
 }
 
-const shb_draw_instance *shb_geometry_instance(const shb_geometry *geometry, uint64_t id) {
+/* The last instance whose first vertex or triangle, the member at this offset, is at or before the
+ * number. */
+static const shb_draw_instance *find_instance(const shb_geometry *geometry, size_t member,
+                                              uint64_t number) {
     size_t lo = 0, hi = geometry->instance_count;
     while (hi - lo > 1) {
         const size_t middle = lo + (hi - lo) / 2;
-        if (geometry->instances[middle].first_triangle <= id)
+        const void *first = (const char *)&geometry->instances[middle] + member;
+        if (*(const uint64_t *)first <= number)
             lo = middle;
         else
             hi = middle;
     }
     return &geometry->instances[lo];
+}
+
+const shb_draw_instance *shb_geometry_instance(const shb_geometry *geometry, uint64_t id) {
+    return find_instance(geometry, offsetof(shb_draw_instance, first_triangle), id);
+}
+
+const shb_draw_instance *shb_geometry_instance_of_vertex(const shb_geometry *geometry,
+                                                         uint64_t vertex) {
+    return find_instance(geometry, offsetof(shb_draw_instance, first_vertex), vertex);
 }
 
 void shb_geometry_corners(const shb_draw_instance *instance, uint64_t id,

@@ -40,6 +40,10 @@ bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_g
 /* The instance of a triangle; the id must be below the triangle count. */
 const shb_draw_instance *shb_geometry_instance(const shb_geometry *geometry, uint64_t id);
 
+/* The instance of a vertex of the drawing; all listed instances have vertices. */
+const shb_draw_instance *shb_geometry_instance_of_vertex(const shb_geometry *geometry,
+                                                         uint64_t vertex);
+
 /* True if the triangle belongs to this instance. */
 static inline bool shb_instance_has(const shb_draw_instance *instance, uint64_t id) {
     return id - instance->first_triangle < instance->mesh->triangle_count;
