@@ -69,6 +69,10 @@ demo: $(BUILD)/demo
 	$(Q)mkdir -p $(BUILD)/out
 	$(Q)$(BUILD)/demo $(BUILD)/out
 
+soft: $(BUILD)/soft
+	$(Q)mkdir -p $(BUILD)/out
+	$(Q)$(BUILD)/soft $(BUILD)/out
+
 check: $(BUILD)/check $(EXAMPLES)
 	$(Q)$(BUILD)/check
 
@@ -112,5 +116,5 @@ clean:
 format:
 	$(Q)clang-format -i $$(git ls-files '*.c' '*.h' '*.inl')
 
-.PHONY: all demo check bench peers stability install clean format
+.PHONY: all demo soft check bench peers stability install clean format
 -include $(OBJECTS:.o=.d)

@@ -49,13 +49,19 @@ static shb_area_place shift_of(shb_vec3 position) {
     return (shb_area_place){(double)(hash >> 32) * 0x1p-32, (double)(hash & 0xffffffffu) * 0x1p-32};
 }
 
-static bool is_blocked(const shb_bvh *bvh, receiver *r, const shb_ray *ray) {
-    if (!r->gathered)
-        return shb_bvh_occluded(bvh, ray, r->own_id);
+/* The blockers that the direction does not clearly miss decide by the ray itself. */
+static bool is_blocked_by_gathered(receiver *r, const shb_light_source *sample,
+                                   const double direction[3]) {
+    shb_ray ray;
+    bool has_ray = false;
     for (uint32_t i = 0; i < r->blocker_count; i++) {
         const shb_shaft_blocker blocker = r->blockers[i];
-        if (shb_shaft_blocker_is_missed(&blocker, ray->direction) ||
-            !shb_ray_is_blocked(ray, blocker.triangle, r->own))
+        if (shb_shaft_blocker_is_missed(&blocker, direction))
+            continue;
+        if (!has_ray && !shb_ray_to_light(sample, r->position, &ray))
+            return false;
+        has_ray = true;
+        if (!shb_ray_is_blocked(&ray, blocker.triangle, r->own))
             continue;
         r->blockers[i] = r->blockers[0];
         r->blockers[0] = blocker;
@@ -65,11 +71,15 @@ static bool is_blocked(const shb_bvh *bvh, receiver *r, const shb_ray *ray) {
 }
 
 static bool is_lit(const shb_bvh *bvh, receiver *r, const shb_light_source *sample) {
+    const bool directional = sample->w == 0;
+    const shb_vec3 way =
+        directional ? sample->position : vec3_subtract(sample->position, r->position);
+    if (vec3_dot(way, r->normal) < 0)
+        return false;
+    if (r->gathered)
+        return !is_blocked_by_gathered(r, sample, (double[3]){way.x, way.y, way.z});
     shb_ray ray;
-    if (!shb_ray_to_light(sample, r->position, &ray))
-        return true;
-    const shb_vec3 direction = {ray.direction[0], ray.direction[1], ray.direction[2]};
-    return !(vec3_dot(direction, r->normal) < 0) && !is_blocked(bvh, r, &ray);
+    return !shb_ray_to_light(sample, r->position, &ray) || !shb_bvh_occluded(bvh, &ray, r->own_id);
 }
 
 /* True if one triangle stands before all of the light: the lines of all rays meet it, and those to

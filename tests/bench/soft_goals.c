@@ -44,10 +44,14 @@ typedef struct soft_view {
 } soft_view;
 
 static bool open_view(shb_context *context, const char *name, soft_view *view) {
-    *view = (soft_view){.name = name, .scene = subject_open_if_there(NULL, name)};
-    return view->scene &&
-           session_succeeds(name, measure_frame_create(context, view->scene, PICTURE_SIZE,
-                                                       PICTURE_SIZE, &view->frame));
+    char error[256];
+    *view = (soft_view){.name = name};
+    if (!subject_open(name, &view->scene, error, sizeof error)) {
+        fprintf(stderr, "bench: %s\n", error);
+        return false;
+    }
+    return session_succeeds(
+        name, measure_frame_create(context, view->scene, PICTURE_SIZE, PICTURE_SIZE, &view->frame));
 }
 
 static void close_view(soft_view *view) {
