@@ -7,17 +7,30 @@
 #include "kernels/shade.h"
 
 static uint32_t needs_of(shb_unit unit, shb_taps taps) {
-    return (unit == SHB_UNIT_WORLD ? SHB_NEEDS_SCALE : 0u) |
+    return SHB_NEEDS_SAMPLES | (unit == SHB_UNIT_WORLD ? SHB_NEEDS_SCALE : 0u) |
            (taps == SHB_TAPS_NAIVE ? SHB_NEEDS_NORMAL : 0u);
+}
+
+/* A map that was never drawn keeps no occluders and lights everything. */
+static bool is_empty(const shb_filter_args *args) {
+    for (size_t i = 0; !args->map->occluders.held && i < shb_round_to_lanes(args->count); i++)
+        args->visibility[i] = 1;
+    return !args->map->occluders.held;
 }
 
 static void pcf(const shb_filter_args *args) {
     args->map->context->shade_kernels->pcf(args);
 }
 
+static void pcf_exact(const shb_filter_args *args) {
+    if (!is_empty(args))
+        args->map->context->shade_kernels->pcf_exact(args);
+}
+
 shb_filter shb_filter_pcf(float size, shb_unit unit, shb_taps taps) {
     return (shb_filter){.name = "pcf",
                         .filter = pcf,
+                        .exact = pcf_exact,
                         .needs = needs_of(unit, taps),
                         .params = {size, (float)unit, (float)taps}};
 }
@@ -26,9 +39,15 @@ static void pcf_smooth(const shb_filter_args *args) {
     args->map->context->shade_kernels->pcf_smooth(args);
 }
 
+static void pcf_smooth_exact(const shb_filter_args *args) {
+    if (!is_empty(args))
+        args->map->context->shade_kernels->pcf_smooth_exact(args);
+}
+
 shb_filter shb_filter_pcf_smooth(float size, shb_unit unit, shb_taps taps) {
     return (shb_filter){.name = "pcf-smooth",
                         .filter = pcf_smooth,
+                        .exact = pcf_smooth_exact,
                         .needs = needs_of(unit, taps),
                         .params = {size, (float)unit, (float)taps}};
 }
@@ -37,9 +56,15 @@ static void jittered(const shb_filter_args *args) {
     args->map->context->shade_kernels->jittered(args);
 }
 
+static void jittered_exact(const shb_filter_args *args) {
+    if (!is_empty(args))
+        args->map->context->shade_kernels->jittered_exact(args);
+}
+
 shb_filter shb_filter_jittered(float size, shb_unit unit, shb_taps taps) {
     return (shb_filter){.name = "jittered",
                         .filter = jittered,
+                        .exact = jittered_exact,
                         .needs = needs_of(unit, taps),
                         .params = {size, (float)unit, (float)taps}};
 }
@@ -48,9 +73,15 @@ static void poisson(const shb_filter_args *args) {
     args->map->context->shade_kernels->poisson(args);
 }
 
+static void poisson_exact(const shb_filter_args *args) {
+    if (!is_empty(args))
+        args->map->context->shade_kernels->poisson_exact(args);
+}
+
 shb_filter shb_filter_poisson(float count, float radius, shb_unit unit, shb_taps taps) {
     return (shb_filter){.name = "poisson",
                         .filter = poisson,
+                        .exact = poisson_exact,
                         .needs = needs_of(unit, taps),
                         .params = {count, radius, (float)unit, (float)taps}};
 }

@@ -46,12 +46,17 @@ static shb_result check_occluders(const shb_map *map, const char *caller, const 
         return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
                         "%s: the method \"%s\" asks occluders, which the filter \"%s\" cannot",
                         caller, name_of(bias), name_or_unnamed(filter->name));
+    if (filter && filter->needs & SHB_NEEDS_SAMPLES && map->info.occluders == SHB_OCCLUDERS_LISTS)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the filter \"%s\" asks the occluder of each texel, and "
+                        "desc.occluders of the map are lists",
+                        caller, name_or_unnamed(filter->name));
     return SHB_OK;
 }
 
 static shb_result check_filter(const shb_map *map, const char *caller, const shb_filter *filter) {
-    const uint32_t known =
-        SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE | SHB_NEEDS_PREPARED;
+    const uint32_t known = SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE |
+                           SHB_NEEDS_PREPARED | SHB_NEEDS_SAMPLES;
     if (!filter->filter)
         return shb_fail(map->context, SHB_ERROR_ARGUMENT, "%s: filter.filter is NULL", caller);
     if (filter->needs & ~known)

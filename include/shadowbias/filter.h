@@ -42,7 +42,11 @@ typedef void shb_filter_release_fn(const shb_map *map, void *prepared);
 
 /* In shb_filter.needs beside SHB_NEEDS_NORMAL, _SCALE and _SLOPE: the filter is refused for maps
  * that shb_map_prepare was not called for; a filter without it does its work either way. */
-enum { SHB_NEEDS_PREPARED = 32 };
+enum {
+    SHB_NEEDS_PREPARED = 32,
+    SHB_NEEDS_SAMPLES = 64 /* the function exact asks the occluder that each texel keeps: it is
+                              refused for maps that keep lists */
+};
 
 struct shb_filter {
     const char *name;

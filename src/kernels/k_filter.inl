@@ -2,6 +2,8 @@
 
 #include "../taps.h"
 
+#include "k_mutual.inl"
+
 #define BOX_MAX 63
 
 /* Floats in a row of a window: room for whole vectors. */
@@ -30,6 +32,7 @@ typedef struct box_batch {
     bool reversed;
     tap_kind kind;
     const float *step_x, *step_y;
+    const mutual_batch *mutual;              /* TAPS_GIVEN by the exact method; else NULL */
     SHB_ALIGN int32_t size[SHB_BATCH];       /* texels in a row of the box */
     int32_t left[SHB_BATCH], top[SHB_BATCH]; /* its first texel */
     int32_t inside[SHB_BATCH];               /* it can be read where it is */
@@ -75,8 +78,8 @@ static void decode_texels(const shb_map *map, int32_t row, int32_t first, int32_
     }
 }
 
-/* The depth of every tap anew. */
-static NEVER_INLINE void give_taps(box_batch *batch, size_t i, const texel_box *b) {
+/* The depth of every tap by the naive way. */
+static void give_naive_taps(box_batch *batch, size_t i, const texel_box *b) {
     const int n = batch->size[i];
     const shb_light_rows *rows = &batch->map->rows;
     const shb_tap_surface surface = shb_tap_surface_of(rows, batch->receivers, i);
@@ -87,6 +90,31 @@ static NEVER_INLINE void give_taps(box_batch *batch, size_t i, const texel_box *
             given[column] = sign * shb_tap_naive(rows, &surface, b->column + column, b->row + row);
         for (int column = n; column < BOX_PITCH; column++)
             given[column] = NAN;
+    }
+}
+
+/* The fragment's plane, at taps whose occluder lies in front of the fragment. */
+static void give_mutual_taps(box_batch *batch, size_t i, const texel_box *b) {
+    const shb_receivers *r = batch->receivers;
+    const mutual_fragment *fragment = &batch->mutual->fragments[i];
+    const int n = batch->size[i];
+    const float sign = batch->reversed ? -1.0f : 1.0f;
+    for (int row = 0; row < n; row++) {
+        const int32_t y = batch->top[i] + row;
+        const float *stored = batch->window + row * BOX_PITCH;
+        float *given = batch->given + row * BOX_PITCH;
+        for (int column = 0; column < BOX_PITCH; column++)
+            given[column] = NAN;
+        if (y < 0 || y >= batch->height)
+            continue;
+        const int32_t left = batch->left[i], width = batch->width;
+        const int end = width - left < n ? width - left : n;
+        for (int column = left < 0 ? -left : 0; column < end; column++) {
+            const float tap = shb_tap_depth(r->ref[i], r->step_x[i], r->step_y[i],
+                                            (float)(b->column + column), (float)(b->row + row));
+            given[column] = sign * mutual_tap(batch->map, fragment, left + column, y,
+                                              sign * stored[column], tap);
+        }
     }
 }
 
@@ -109,8 +137,10 @@ static NEVER_INLINE bool copy_box(box_batch *batch, size_t i, texel_box *b) {
                      .column = left - batch->receivers->texel_x[i],
                      .row = top - batch->receivers->texel_y[i],
                      .given = batch->given};
-    if (batch->kind == TAPS_GIVEN)
-        give_taps(batch, i, b);
+    if (batch->mutual)
+        give_mutual_taps(batch, i, b);
+    else if (batch->kind == TAPS_GIVEN)
+        give_naive_taps(batch, i, b);
     return true;
 }
 
@@ -256,30 +286,42 @@ static void box_sizes(const float *restrict texel_size, float size, float least,
         sizes[i] = texel_size ? box_size(size / texel_size[i], least) : all;
 }
 
-/* Reads the parameters size, unit and taps. */
-static void box_batch_init(const shb_filter_args *args, float least, box_batch *batch) {
-    const shb_receivers *r = args->receivers;
-    const float size = args->filter->params[0], taps = args->filter->params[2];
-    const bool own = taps == SHB_TAPS_OWN;
+/* Reads the parameters size and unit. */
+static void box_batch_init(const shb_filter_args *args, const shb_receivers *r, tap_kind kind,
+                           float least, box_batch *batch) {
+    const bool world = args->filter->params[1] == SHB_UNIT_WORLD;
     batch->map = args->map;
     batch->receivers = r;
     batch->width = (int32_t)args->map->info.width;
     batch->height = (int32_t)args->map->info.height;
     batch->reversed = args->map->info.view.reversed;
-    batch->kind = taps == SHB_TAPS_NAIVE                  ? TAPS_GIVEN
-                  : own || steps_are_zero(r, args->count) ? TAPS_FLAT
-                                                          : TAPS_PLANE;
-    batch->step_x = own ? no_steps : r->step_x;
-    batch->step_y = own ? no_steps : r->step_y;
-    const bool world = args->filter->params[1] == SHB_UNIT_WORLD;
-    box_sizes(world ? r->texel_size : NULL, size, least, args->count, batch->size);
+    batch->kind = kind;
+    batch->step_x = r->step_x;
+    batch->step_y = r->step_y;
+    batch->mutual = NULL;
+    box_sizes(world ? r->texel_size : NULL, args->filter->params[0], least, args->count,
+              batch->size);
     place_boxes(batch->size, r->texel_x, r->to_center_x, args->count, batch->left);
     place_boxes(batch->size, r->texel_y, r->to_center_y, args->count, batch->top);
-    if (args->map->info.format == SHB_FORMAT_FLOAT32 && batch->kind != TAPS_GIVEN)
+    if (args->map->info.format == SHB_FORMAT_FLOAT32 && kind != TAPS_GIVEN)
         find_inside(&args->map->info, batch->size, batch->left, batch->top, args->count,
                     batch->inside);
     else
         memset(batch->inside, 0, sizeof batch->inside);
+}
+
+/* Of receiver planes; reads the parameter taps too. */
+static void box_batch_of_planes(const shb_filter_args *args, float least, box_batch *batch) {
+    const float taps = args->filter->params[2];
+    const bool own = taps == SHB_TAPS_OWN;
+    const bool flat = own || steps_are_zero(args->receivers, args->count);
+    box_batch_init(args, args->receivers,
+                   taps == SHB_TAPS_NAIVE ? TAPS_GIVEN
+                   : flat                 ? TAPS_FLAT
+                                          : TAPS_PLANE,
+                   least, batch);
+    if (own)
+        batch->step_x = batch->step_y = no_steps;
 }
 
 /* The fragments from first on whose boxes have the same size. */
@@ -295,31 +337,74 @@ static void fill_lanes(size_t count, float *visibility) {
         visibility[i] = visibility[count - 1];
 }
 
+/* Boxes that are read in place; the others are left alone. */
+static void count_inside(box_batch *batch, size_t count, float *visibility) {
+    box_run run;
+    for (size_t first = 0; first < count; first = run.end) {
+        run = next_run(batch, first, count);
+        count_run(&run, visibility);
+    }
+}
+
 static void pcf(const shb_filter_args *args) {
     box_batch batch;
-    box_batch_init(args, 1, &batch);
-    box_run run;
-    for (size_t first = 0; first < args->count; first = run.end) {
-        run = next_run(&batch, first, args->count);
-        count_run(&run, args->visibility);
-    }
+    box_batch_of_planes(args, 1, &batch);
+    count_inside(&batch, args->count, args->visibility);
     for (size_t i = 0; i < args->count; i++)
         if (!batch.inside[i])
             args->visibility[i] = count_copy(&batch, i);
     fill_lanes(args->count, args->visibility);
 }
 
+static void weigh_boxes(box_batch *batch, size_t count, float *visibility) {
+    for (size_t i = 0; i < count; i++) {
+        texel_box b;
+        bool inside = batch->inside[i];
+        if (inside)
+            b = box_in_place(batch, i);
+        else
+            inside = copy_box(batch, i, &b);
+        visibility[i] = inside ? weigh_one(batch, i, &b) : 1.0f;
+    }
+    fill_lanes(count, visibility);
+}
+
 static void smooth_boxes(const shb_filter_args *args) {
     box_batch batch;
-    box_batch_init(args, 2, &batch);
-    for (size_t i = 0; i < args->count; i++) {
-        texel_box b;
-        bool inside = batch.inside[i];
-        if (inside)
-            b = box_in_place(&batch, i);
-        else
-            inside = copy_box(&batch, i, &b);
-        args->visibility[i] = inside ? weigh_one(&batch, i, &b) : 1.0f;
-    }
+    box_batch_of_planes(args, 2, &batch);
+    weigh_boxes(&batch, args->count, args->visibility);
+}
+
+/* Boxes of the exact method; the planes of fragments are written for the reach of their boxes. */
+static void box_batch_of_mutual(const shb_filter_args *args, tap_kind kind, float least,
+                                mutual_batch *mutual, box_batch *batch) {
+    mutual_batch_init(args, mutual);
+    box_batch_init(args, &mutual->receivers, kind, least, batch);
+    for (size_t i = 0; i < shb_round_to_lanes(args->count); i++)
+        write_mutual_plane(&mutual->fragments[i], batch->size[i] / 2 + 1.0, &mutual->receivers, i);
+}
+
+/* A box whose texels all lie behind the fragment's plane is lit; few others need the planes of the
+ * occluders. The depths of a map that keeps triangles are not those of their planes. */
+static void pcf_exact(const shb_filter_args *args) {
+    const bool planes = args->map->info.occluders == SHB_OCCLUDERS_PLANES;
+    mutual_batch mutual;
+    box_batch batch;
+    box_batch_of_mutual(args, planes ? TAPS_PLANE : TAPS_GIVEN, 1, &mutual, &batch);
+    if (planes)
+        count_inside(&batch, args->count, args->visibility);
+    batch.kind = TAPS_GIVEN;
+    batch.mutual = &mutual;
+    for (size_t i = 0; i < args->count; i++)
+        if (!(batch.inside[i] && args->visibility[i] == 1))
+            args->visibility[i] = count_copy(&batch, i);
     fill_lanes(args->count, args->visibility);
+}
+
+static void pcf_smooth_exact(const shb_filter_args *args) {
+    mutual_batch mutual;
+    box_batch batch;
+    box_batch_of_mutual(args, TAPS_GIVEN, 2, &mutual, &batch);
+    batch.mutual = &mutual;
+    weigh_boxes(&batch, args->count, args->visibility);
 }

@@ -21,6 +21,7 @@ typedef struct scatter_batch {
     float stored[SHB_BATCH];
     int32_t shadowed[SHB_BATCH];         /* taps */
     shb_tap_surface surfaces[SHB_BATCH]; /* of SHB_TAPS_NAIVE */
+    mutual_batch *mutual;                /* of the exact method; else NULL */
 } scatter_batch;
 
 /* texel_size: NULL for a reach in texels. */
@@ -33,20 +34,25 @@ static void scatter_reach(const float *restrict texel_size, float reach, size_t 
     }
 }
 
+/* mutual: NULL but for the exact method. */
 static void scatter_init(const shb_filter_args *args, float reach, float unit, float taps,
-                         scatter_batch *batch) {
-    const shb_receivers *r = args->receivers;
+                         mutual_batch *mutual, scatter_batch *batch) {
+    const shb_receivers *r = mutual ? &mutual->receivers : args->receivers;
     batch->map = args->map;
     batch->receivers = r;
     batch->lanes = shb_round_to_lanes(args->count);
-    batch->taps = taps == SHB_TAPS_OWN     ? SHB_TAPS_OWN
-                  : taps == SHB_TAPS_NAIVE ? SHB_TAPS_NAIVE
-                                           : SHB_TAPS_PLANE;
+    batch->taps = SHB_TAPS_PLANE;
+    if (!mutual && (taps == SHB_TAPS_OWN || taps == SHB_TAPS_NAIVE))
+        batch->taps = (shb_taps)taps;
     batch->far_depth = shb_far_depth(args->map->info.view.reversed);
+    batch->mutual = mutual;
     scatter_reach(unit == SHB_UNIT_WORLD ? r->texel_size : NULL, reach, batch->lanes, batch->reach);
     memset(batch->shadowed, 0, sizeof batch->shadowed);
     for (size_t i = 0; batch->taps == SHB_TAPS_NAIVE && i < batch->lanes; i++)
         batch->surfaces[i] = shb_tap_surface_of(&args->map->rows, r, i);
+    for (size_t i = 0; mutual && i < batch->lanes; i++)
+        write_mutual_plane(&mutual->fragments[i], (double)batch->reach[i] * 1.5 + 2,
+                           &mutual->receivers, i);
 }
 
 /* The texel in a row that holds a place d texels from the fragment. */
@@ -79,12 +85,26 @@ static void scatter_depths(const scatter_batch *batch, float *restrict depth) {
     }
 }
 
+/* Drops the taps that the plane of their own occluder does not shadow. */
+static void scatter_mutual(scatter_batch *batch) {
+    const shb_map_info *info = &batch->map->info;
+    for (size_t i = 0; i < batch->lanes; i++) {
+        const int32_t x = batch->texel_x[i], y = batch->texel_y[i];
+        const bool inside = ((uint32_t)x < info->width) & ((uint32_t)y < info->height);
+        batch->depth[i] = inside ? mutual_tap(batch->map, &batch->mutual->fragments[i], x, y,
+                                              batch->stored[i], batch->depth[i])
+                                 : NAN;
+    }
+}
+
 /* Asks one tap of each fragment, whose texels are known: shadowed[i] is 0 or 1. */
 static void scatter_ask(scatter_batch *restrict batch, int32_t *restrict shadowed) {
     const size_t lanes = batch->lanes;
     const float far_depth = batch->far_depth;
     scatter_depths(batch, batch->depth);
     fetch(batch->map, lanes, batch->texel_x, batch->texel_y, batch->stored);
+    if (batch->mutual)
+        scatter_mutual(batch);
     for (size_t i = 0; i < lanes; i++)
         shadowed[i] = (batch->stored[i] < batch->depth[i]) & (batch->stored[i] < far_depth);
 }
@@ -113,15 +133,15 @@ static void hash_positions(const shb_receivers *restrict r, size_t lanes, uint32
 }
 
 /* params: count, radius, unit, taps. */
-static void poisson(const shb_filter_args *args) {
+static void ask_poisson(const shb_filter_args *args, mutual_batch *mutual) {
     scatter_batch batch;
     SHB_ALIGN uint32_t hash[SHB_BATCH];
     SHB_ALIGN float cosine[SHB_BATCH], sine[SHB_BATCH];
     const float *params = args->filter->params;
     const float some = params[0] > 1 ? params[0] : 1;
     const int count = (int)(some < SHB_POISSON_MAX ? some : SHB_POISSON_MAX);
-    scatter_init(args, params[1], params[2], params[3], &batch);
-    hash_positions(args->receivers, batch.lanes, hash);
+    scatter_init(args, params[1], params[2], params[3], mutual, &batch);
+    hash_positions(batch.receivers, batch.lanes, hash);
     for (size_t i = 0; i < batch.lanes; i++) {
         const int16_t *turn = shb_poisson_turns[hash[i] % SHB_POISSON_TURNS];
         cosine[i] = batch.reach[i] * ((float)turn[0] * SHB_POISSON_UNIT);
@@ -142,12 +162,12 @@ static void poisson(const shb_filter_args *args) {
 #define JITTER_ROW 4
 
 /* Each tap lies anywhere in its own cell of 4 x 4. params: size, unit, taps. */
-static void jittered(const shb_filter_args *args) {
+static void ask_jittered(const shb_filter_args *args, mutual_batch *mutual) {
     scatter_batch batch;
     SHB_ALIGN uint32_t hash[SHB_BATCH];
     const float *params = args->filter->params;
-    scatter_init(args, params[0] / 2, params[1], params[2], &batch);
-    hash_positions(args->receivers, batch.lanes, hash);
+    scatter_init(args, params[0] / 2, params[1], params[2], mutual, &batch);
+    hash_positions(batch.receivers, batch.lanes, hash);
     for (int k = 0; k < JITTER_ROW * JITTER_ROW; k++) {
         const float left = (float)(k % JITTER_ROW) - JITTER_ROW / 2;
         const float top = (float)(k / JITTER_ROW) - JITTER_ROW / 2;
@@ -177,7 +197,7 @@ static void bilinear(const shb_filter_args *args) {
     SHB_ALIGN int32_t shadowed[2][SHB_BATCH];
     SHB_ALIGN double lit[2][SHB_BATCH];
     const shb_receivers *r = args->receivers;
-    scatter_init(args, 0, SHB_UNIT_TEXEL, args->filter->params[2], &batch);
+    scatter_init(args, 0, SHB_UNIT_TEXEL, args->filter->params[2], NULL, &batch);
     for (int row = 0; row < 2; row++) {
         pair_of_texels(r->to_center_y, r->texel_y, row, batch.lanes, batch.row, batch.texel_y);
         for (int column = 0; column < 2; column++) {
@@ -202,4 +222,24 @@ static void pcf_smooth(const shb_filter_args *args) {
         bilinear(args);
     else
         smooth_boxes(args);
+}
+
+static void poisson(const shb_filter_args *args) {
+    ask_poisson(args, NULL);
+}
+
+static void poisson_exact(const shb_filter_args *args) {
+    mutual_batch mutual;
+    mutual_batch_init(args, &mutual);
+    ask_poisson(args, &mutual);
+}
+
+static void jittered(const shb_filter_args *args) {
+    ask_jittered(args, NULL);
+}
+
+static void jittered_exact(const shb_filter_args *args) {
+    mutual_batch mutual;
+    mutual_batch_init(args, &mutual);
+    ask_jittered(args, &mutual);
 }

@@ -35,6 +35,7 @@ typedef struct shb_shade_kernels {
 
     /* Filters of boxes of texels, and of scattered ones. */
     shb_filter_fn *pcf, *pcf_smooth, *jittered, *poisson;
+    shb_filter_fn *pcf_exact, *pcf_smooth_exact, *jittered_exact, *poisson_exact;
 
     /* The contract of shb_filter_pcss, with the taps SHB_TAPS_PLANE or SHB_TAPS_OWN. */
     void (*pcss)(const shb_pcss *pcss, const shb_map *map, size_t count,
