@@ -1,0 +1,274 @@
+/* The exact method in every tap: against the scalar test of mutual planes, on planes, and where it
+ * is refused. */
+#include "../src/exact.h"
+#include "../src/half.h"
+#include "../src/occluders.h"
+#include "../src/project.h"
+
+#include "probe.h"
+#include "random.h"
+#include "shadowbias/shadowbias.h"
+#include "soup.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct asked_map {
+    shb_context *context;
+    shb_map *map;
+} asked_map;
+
+static asked_map draw(shb_isa isa, shb_view view, shb_occluders occluders, uint32_t size, soup *s) {
+    asked_map made;
+    const shb_context_desc desc = {.max_isa = isa, .threads = 1};
+    const shb_map_desc map = {.view = view, .width = size, .occluders = occluders};
+    const shb_bias exact = shb_bias_exact();
+    CHECK_INT(shb_context_create(&desc, &made.context), SHB_OK);
+    CHECK_INT(shb_map_create(made.context, &map, &made.map), SHB_OK);
+    CHECK_INT(shb_map_draw(made.map, soup_scene(s), &exact, NULL), SHB_OK);
+    return made;
+}
+
+static void close_map(asked_map *made) {
+    shb_map_destroy(made->map);
+    shb_context_destroy(made->context);
+}
+
+enum { POINTS = 1200 };
+
+typedef struct points {
+    float positions[3 * POINTS], normals[3 * POINTS];
+} points;
+
+static shb_vec3 corner_of(const soup *s, uint32_t triangle, int k) {
+    const float *p = s->positions + 9 * triangle + 3 * k;
+    return (shb_vec3){(double)p[0], (double)p[1], (double)p[2]};
+}
+
+/* A point of a random triangle with its unit normal. */
+static void random_point(const soup *s, test_random *random, float *position, float *normal) {
+    const uint32_t triangle = random_below(random, s->count);
+    const shb_vec3 a = corner_of(s, triangle, 0), b = corner_of(s, triangle, 1);
+    const shb_vec3 c = corner_of(s, triangle, 2);
+    double u = random_double(random, 0, 1), v = random_double(random, 0, 1);
+    if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+    }
+    const shb_vec3 ab = shb_vec3_subtract(b, a), ac = shb_vec3_subtract(c, a);
+    const shb_vec3 n = shb_vec3_normalize(shb_vec3_cross(ab, ac));
+    position[0] = (float)(a.x + u * ab.x + v * ac.x);
+    position[1] = (float)(a.y + u * ab.y + v * ac.y);
+    position[2] = (float)(a.z + u * ab.z + v * ac.z);
+    normal[0] = (float)n.x;
+    normal[1] = (float)n.y;
+    normal[2] = (float)n.z;
+}
+
+static void fill_points(const soup *s, uint64_t seed, points *made) {
+    test_random random = {seed};
+    for (int i = 0; i < POINTS; i++)
+        random_point(s, &random, made->positions + 3 * i, made->normals + 3 * i);
+    made->positions[5] = NAN;
+    made->positions[9] = 3e38f;
+    memset(made->normals + 12, 0, 3 * sizeof(float));
+}
+
+static void ask(const asked_map *made, const points *given, const shb_filter *filter,
+                float *visibility) {
+    const shb_points list = {
+        .count = POINTS, .positions = given->positions, .normals = given->normals};
+    const shb_bias exact = shb_bias_exact();
+    CHECK_INT(shb_map_visibility(made->map, &list, &exact, filter, visibility), SHB_OK);
+}
+
+static bool is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y) {
+    if (x < 0 || y < 0 || x >= (int)map->info.width || y >= (int)map->info.height)
+        return false;
+    const uint32_t texel = shb_occluder_row(map, y)[x];
+    const int32_t column = x, row = y;
+    shb_exact_sample sample = {.center_x = x + 0.5, .center_y = y + 0.5};
+    if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES) {
+        if (texel == SHB_ID_NONE)
+            return false;
+        const shb_occluder_plane *plane = &map->occluders.planes[texel];
+        sample.slope_x = plane->slope_x;
+        sample.slope_y = plane->slope_y;
+        sample.depth = shb_occluder_depth(plane, x + 0.5, y + 0.5) + plane->error;
+        return shb_exact_is_shadowed(fragment, &sample);
+    }
+    float depth;
+    shb_map_fetch(map, 1, &column, &row, &depth);
+    const double unit = map->occluders.slope_unit;
+    sample.depth = (double)depth;
+    sample.slope_x = (double)shb_half_to_float((uint16_t)texel) * unit;
+    sample.slope_y = (double)shb_half_to_float((uint16_t)(texel >> 16)) * unit;
+    sample.slope_error_x = fabs(sample.slope_x) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
+    sample.slope_error_y = fabs(sample.slope_y) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
+    return depth < (map->info.view.reversed ? 0.0f : 1.0f) &&
+           shb_exact_is_shadowed(fragment, &sample);
+}
+
+/* Lit taps of a box of n x n texels, n odd, by the scalar test. */
+static int lit_taps(const shb_map *map, const points *given, int i, int n) {
+    double position[3], normal[3];
+    for (int k = 0; k < 3; k++) {
+        position[k] = (double)given->positions[3 * i + k];
+        normal[k] = (double)given->normals[3 * i + k];
+    }
+    const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
+    if (!(fragment.point.w > 0 && fabs(fragment.point.x) < 1e6 && fabs(fragment.point.y) < 1e6))
+        return n * n;
+    const int x = (int)floor(fragment.point.x), y = (int)floor(fragment.point.y);
+    int lit = n * n;
+    for (int k = 0; k < n * n; k++)
+        lit -= is_shadowed(map, &fragment, x - n / 2 + k % n, y - n / 2 + k / n);
+    return lit;
+}
+
+/* A ball over a tilted floor, and a wall that stands on it. */
+static void add_scene(soup *s) {
+    double radii[24 * 11 + 2];
+    for (size_t i = 0; i < sizeof radii / sizeof *radii; i++)
+        radii[i] = 0.4;
+    soup_add_quad(s, (float[]){-1, -1, -0.7f}, (float[]){1, -1, -0.5f}, (float[]){1, 1, -0.4f},
+                  (float[]){-1, 1, -0.6f});
+    soup_add_ball(s, (float[]){-0.3f, 0, 0.3f}, 24, 12, radii);
+    soup_add_box(s, (float[]){0.3f, -0.9f, -0.8f}, (float[]){0.5f, 0.9f, 0.9f});
+}
+
+/* Bounds that are taken for all taps at once may light a tap that the scalar test shadows by less
+ * than rounding, never the other way round. */
+static void check_against_scalar(bool spot, bool reversed, shb_occluders occluders) {
+    soup s = {0};
+    add_scene(&s);
+    for (uint32_t i = 0; i < 9 * s.count; i++)
+        s.positions[i] *= 0.7f;
+    points *given = malloc(sizeof *given);
+    fill_points(&s, 3, given);
+    const shb_view view = spot ? probe_perspective(reversed) : probe_orthographic(reversed);
+    for (int n = 1; n <= 5; n += 2) {
+        asked_map made = draw(SHB_ISA_BEST, view, occluders, 100, &s);
+        const shb_filter box = shb_filter_pcf((float)n, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+        float seen[POINTS];
+        int darker = 0, lighter = 0, mixed = 0;
+        ask(&made, given, &box, seen);
+        for (int i = 0; i < POINTS; i++) {
+            const int lit = lit_taps(made.map, given, i, n);
+            const int found = (int)lround((double)seen[i] * n * n);
+            darker += found < lit;
+            lighter += found > lit;
+            mixed += lit > 0 && lit < n * n;
+        }
+        CHECK_INT(darker, 0);
+        CHECK(lighter <= POINTS / 200);
+        CHECK(n == 1 || mixed > 20);
+        close_map(&made);
+    }
+    free(given);
+    soup_free(&s);
+}
+
+TEST(exact_taps_by_planes_agree_with_the_scalar_test) {
+    check_against_scalar(false, false, SHB_OCCLUDERS_PLANES);
+    check_against_scalar(true, true, SHB_OCCLUDERS_PLANES);
+}
+
+TEST(exact_taps_by_triangles_agree_with_the_scalar_test) {
+    check_against_scalar(false, true, SHB_OCCLUDERS_TRIANGLES);
+    check_against_scalar(true, false, SHB_OCCLUDERS_TRIANGLES);
+}
+
+TEST(exact_taps_give_scalar_bits_on_every_isa) {
+    const shb_filter filters[] = {shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_pcf(0.1f, SHB_UNIT_WORLD, SHB_TAPS_PLANE),
+                                  shb_filter_pcf_smooth(4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_jittered(6, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_poisson(9, 4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE)};
+    soup s = {0};
+    add_scene(&s);
+    points *given = malloc(sizeof *given);
+    fill_points(&s, 4, given);
+    asked_map scalar = draw(SHB_ISA_SCALAR, probe_perspective(true), SHB_OCCLUDERS_PLANES, 64, &s);
+    for (int isa = SHB_ISA_SCALAR + 1; isa < SHB_ISA_COUNT; isa++) {
+        asked_map other = draw((shb_isa)isa, probe_perspective(true), SHB_OCCLUDERS_PLANES, 64, &s);
+        for (int f = 0; f < 5; f++) {
+            float expected[POINTS], actual[POINTS];
+            ask(&scalar, given, &filters[f], expected);
+            ask(&other, given, &filters[f], actual);
+            CHECK(memcmp(expected, actual, sizeof expected) == 0);
+        }
+        close_map(&other);
+    }
+    close_map(&scalar);
+    free(given);
+    soup_free(&s);
+}
+
+/* False shadow of 5 x 5 exact taps on planes at any slope: none of count points. */
+static int false_shadows(int count, uint64_t seed) {
+    const shb_filter box = shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+    test_random random = {seed};
+    points *given = malloc(sizeof *given);
+    int wrong = 0;
+    for (int asked = 0; asked < count; asked += POINTS) {
+        const double angle = 1.5707963 * (1 - pow(random_double(&random, 0, 1), 3));
+        const double turn = random_double(&random, 0, 6.28);
+        const double c = cos(angle), z = sin(angle), x = cos(turn), y = sin(turn);
+        const float across[3] = {(float)(0.9 * x * c), (float)(0.9 * y * c), (float)(0.9 * z)};
+        const float along[3] = {(float)(-0.9 * y), (float)(0.9 * x), 0};
+        float corners[4][3];
+        for (int k = 0; k < 4; k++)
+            for (int axis = 0; axis < 3; axis++)
+                corners[k][axis] = (k == 1 || k == 2 ? across[axis] : -across[axis]) +
+                                   (k > 1 ? 1.0f : -1.0f) * along[axis];
+        soup s = {0};
+        soup_add_quad(&s, corners[0], corners[1], corners[2], corners[3]);
+        fill_points(&s, seed + (uint64_t)asked, given);
+        asked_map made = draw(
+            SHB_ISA_BEST, asked / POINTS % 2 ? probe_perspective(true) : probe_orthographic(false),
+            asked / POINTS % 3 ? SHB_OCCLUDERS_PLANES : SHB_OCCLUDERS_TRIANGLES, 128, &s);
+        float seen[POINTS];
+        ask(&made, given, &box, seen);
+        for (int i = 0; i < POINTS; i++)
+            wrong += seen[i] != 1;
+        close_map(&made);
+        soup_free(&s);
+    }
+    free(given);
+    return wrong;
+}
+
+/* SHB_TEST_FRAGMENTS: how many instead of a quick 100 000. */
+TEST(exact_taps_shadow_no_plane_at_any_slope) {
+    const char *count = getenv("SHB_TEST_FRAGMENTS");
+    CHECK_INT(false_shadows(count ? atoi(count) : 100000, 21), 0);
+}
+
+TEST(exact_taps_are_refused_by_maps_that_keep_lists) {
+    soup s = {0};
+    add_scene(&s);
+    points *given = malloc(sizeof *given);
+    fill_points(&s, 5, given);
+    asked_map made = draw(SHB_ISA_BEST, probe_orthographic(false), SHB_OCCLUDERS_LISTS, 16, &s);
+    const shb_points list = {
+        .count = POINTS, .positions = given->positions, .normals = given->normals};
+    const shb_bias exact = shb_bias_exact(), none = shb_bias_none();
+    const shb_filter filters[] = {shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_pcf_smooth(2, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_jittered(4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_poisson(9, 4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE)};
+    float seen[POINTS];
+    for (int f = 0; f < 4; f++) {
+        seen[0] = 7;
+        CHECK_INT(shb_map_visibility(made.map, &list, &exact, &filters[f], seen),
+                  SHB_ERROR_UNSUPPORTED);
+        CHECK(seen[0] == 7);
+        CHECK_INT(shb_map_visibility(made.map, &list, &none, &filters[f], seen), SHB_OK);
+    }
+    close_map(&made);
+    free(given);
+    soup_free(&s);
+}
