@@ -36,6 +36,12 @@ static void close_map(asked_map *made) {
     shb_context_destroy(made->context);
 }
 
+/* The probe's spot sees heights of 1 to 3. */
+static void lift_into_spot(soup *s) {
+    for (uint32_t i = 2; i < 9 * s->count; i += 3)
+        s->positions[i] += 2;
+}
+
 enum { POINTS = 1200 };
 
 typedef struct points {
@@ -47,9 +53,9 @@ static shb_vec3 corner_of(const soup *s, uint32_t triangle, int k) {
     return (shb_vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-/* A point of a random triangle with its unit normal. */
+/* A point of a random triangle, half the time of one of the first two, with its unit normal. */
 static void random_point(const soup *s, test_random *random, float *position, float *normal) {
-    const uint32_t triangle = random_below(random, s->count);
+    const uint32_t triangle = random_below(random, random_below(random, 2) ? s->count : 2);
     const shb_vec3 a = corner_of(s, triangle, 0), b = corner_of(s, triangle, 1);
     const shb_vec3 c = corner_of(s, triangle, 2);
     double u = random_double(random, 0, 1), v = random_double(random, 0, 1);
@@ -146,6 +152,8 @@ static void check_against_scalar(bool spot, bool reversed, shb_occluders occlude
     add_scene(&s);
     for (uint32_t i = 0; i < 9 * s.count; i++)
         s.positions[i] *= 0.7f;
+    if (spot)
+        lift_into_spot(&s);
     points *given = malloc(sizeof *given);
     fill_points(&s, 3, given);
     const shb_view view = spot ? probe_perspective(reversed) : probe_orthographic(reversed);
@@ -189,6 +197,7 @@ TEST(exact_taps_give_scalar_bits_on_every_isa) {
                                   shb_filter_poisson(9, 4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE)};
     soup s = {0};
     add_scene(&s);
+    lift_into_spot(&s);
     points *given = malloc(sizeof *given);
     fill_points(&s, 4, given);
     asked_map scalar = draw(SHB_ISA_SCALAR, probe_perspective(true), SHB_OCCLUDERS_PLANES, 64, &s);
@@ -199,6 +208,10 @@ TEST(exact_taps_give_scalar_bits_on_every_isa) {
             ask(&scalar, given, &filters[f], expected);
             ask(&other, given, &filters[f], actual);
             CHECK(memcmp(expected, actual, sizeof expected) == 0);
+            double lit = 0;
+            for (int i = 0; i < POINTS; i++)
+                lit += (double)expected[i] / POINTS;
+            CHECK(lit > 0.1 && lit < 0.9);
         }
         close_map(&other);
     }
@@ -207,12 +220,20 @@ TEST(exact_taps_give_scalar_bits_on_every_isa) {
     soup_free(&s);
 }
 
+/* The plane is in the map unless it is seen edge on. */
+static bool covers_middle(const shb_map *map) {
+    const int32_t middle = 63;
+    float depth;
+    shb_map_fetch(map, 1, &middle, &middle, &depth);
+    return depth < (map->info.view.reversed ? 0.0f : 1.0f);
+}
+
 /* False shadow of 5 x 5 exact taps on planes at any slope: none of count points. */
 static int false_shadows(int count, uint64_t seed) {
     const shb_filter box = shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
     test_random random = {seed};
     points *given = malloc(sizeof *given);
-    int wrong = 0;
+    int wrong = 0, covered = 0;
     for (int asked = 0; asked < count; asked += POINTS) {
         const double angle = 1.5707963 * (1 - pow(random_double(&random, 0, 1), 3));
         const double turn = random_double(&random, 0, 6.28);
@@ -226,17 +247,22 @@ static int false_shadows(int count, uint64_t seed) {
                                    (k > 1 ? 1.0f : -1.0f) * along[axis];
         soup s = {0};
         soup_add_quad(&s, corners[0], corners[1], corners[2], corners[3]);
+        const bool spot = asked / POINTS % 2;
+        if (spot)
+            lift_into_spot(&s);
         fill_points(&s, seed + (uint64_t)asked, given);
-        asked_map made = draw(
-            SHB_ISA_BEST, asked / POINTS % 2 ? probe_perspective(true) : probe_orthographic(false),
-            asked / POINTS % 3 ? SHB_OCCLUDERS_PLANES : SHB_OCCLUDERS_TRIANGLES, 128, &s);
+        asked_map made =
+            draw(SHB_ISA_BEST, spot ? probe_perspective(true) : probe_orthographic(false),
+                 asked / POINTS % 3 ? SHB_OCCLUDERS_PLANES : SHB_OCCLUDERS_TRIANGLES, 128, &s);
         float seen[POINTS];
         ask(&made, given, &box, seen);
         for (int i = 0; i < POINTS; i++)
             wrong += seen[i] != 1;
+        covered += covers_middle(made.map);
         close_map(&made);
         soup_free(&s);
     }
+    CHECK(covered > count / POINTS / 2);
     free(given);
     return wrong;
 }
