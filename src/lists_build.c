@@ -124,7 +124,7 @@ static shb_result build_lists(build *b, const char *caller, const shb_view *view
             return no_memory(b, caller);
         if (lists->width == 1 && lists->height == 1)
             return shb_fail(b->context, SHB_ERROR_MEMORY,
-                            "%s: lists of one texel take %zu bytes, more than the cap of %zu",
+                            "%s: lists of one texel take %zu bytes, desc.occluder_memory is %zu",
                             caller, lists->memory_bytes, memory_cap);
         lists->width = half_of(lists->width);
         lists->height = half_of(lists->height);

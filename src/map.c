@@ -88,6 +88,7 @@ static shb_result make_map(shb_context *context, const char *caller, const shb_m
                              .format = desc->format,
                              .scene_scale = desc->scene_scale,
                              .occluders = desc->occluders},
+                    .lists_cap = desc->occluder_memory,
                     .depth = {.format = desc->format}};
     if (shb_mat4_inverse(desc->view.clip_from_world, world_from_clip) != SHB_OK ||
         shb_view_light_source(&desc->view, &made.info.light) != SHB_OK)

@@ -68,6 +68,7 @@ struct shb_map {
     shb_light_rows rows;
     shb_occluder_data occluders;
     struct shb_lists *lists; /* of the latest drawing, or NULL */
+    size_t lists_cap;        /* bytes that they may take; 0: any number */
     shb_prepared prepared[SHB_PREPARED_MAX];
     int prepared_count;
     shb_depth_image depth;

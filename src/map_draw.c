@@ -123,7 +123,7 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
     shb_lists *lists = NULL;
     if (keeps_lists) {
         result = shb_lists_build(map->context, "shb_map_draw", &map->info.view, map->info.width,
-                                 map->info.height, scene, 0, &lists);
+                                 map->info.height, scene, map->lists_cap, &lists);
         if (result != SHB_OK)
             return result;
     }

@@ -2,6 +2,7 @@
 #include "../src/lists.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -567,6 +568,76 @@ TEST(lists_do_not_depend_on_threads) {
     soup_free(&s);
 }
 
+TEST(lists_do_not_depend_on_the_instruction_set) {
+    soup s = {0};
+    test_random random = {13};
+    for (int i = 0; i < 3000; i++)
+        add_random(&s, &random, i % 50 == 0 ? 0.9 : 0.05);
+    const shb_view view = view_of(&spot, (shb_box){{-2, -2, -2}, {2, 2, 2}}, 300, true);
+    shb_context *best = make_context(1), *scalar = NULL;
+    const shb_context_desc desc = {.threads = 1, .max_isa = SHB_ISA_SCALAR};
+    CHECK_INT(shb_context_create(&desc, &scalar), SHB_OK);
+    shb_lists *a = build(best, &view, 300, soup_scene(&s));
+    shb_lists *b = build(scalar, &view, 300, soup_scene(&s));
+    CHECK(lists_equal(a, b));
+    CHECK(memcmp(a->planes, b->planes, a->id_count * sizeof *a->planes) == 0);
+    for (uint32_t i = 0; i < a->id_count; i++)
+        CHECK(memcmp(&a->triangles[i], &b->triangles[i], 15 * sizeof(float)) == 0);
+    samples x = samples_create(soup_scene(&s), 3000, 14);
+    samples y = samples_create(soup_scene(&s), 3000, 14);
+    ask(a, &x, false, 0x1p-24);
+    ask(b, &y, false, 0x1p-24);
+    CHECK(memcmp(x.visibility, y.visibility, 3000 * sizeof(float)) == 0);
+    samples_free(&x);
+    samples_free(&y);
+    shb_lists_destroy(a);
+    shb_lists_destroy(b);
+    shb_context_destroy(best);
+    shb_context_destroy(scalar);
+    soup_free(&s);
+}
+
+/* The lists place the points themselves; the truth gets them from the same weights. */
+TEST(points_by_their_weights_get_the_answers_of_rays) {
+    enum { COUNT = 5000 };
+    soup s = {0};
+    test_random random = {15};
+    for (int i = 0; i < 500; i++)
+        add_random(&s, &random, i % 9 == 0 ? 0.8 : 0.1);
+    const shb_scene *scene = soup_scene(&s);
+    shb_context *context = make_context(1);
+    const shb_view view = view_of(&slanted, (shb_box){{-2, -2, -2}, {2, 2, 2}}, 200, true);
+    shb_lists *lists = build(context, &view, 200, scene);
+    samples points = samples_create(scene, COUNT, 16);
+    static float weight_1[COUNT], weight_2[COUNT];
+    for (size_t i = 0; i < COUNT; i++) {
+        shb_vec3 c[3];
+        CHECK_INT(shb_scene_triangle(scene, points.own_ids[i], c), SHB_OK);
+        weight_1[i] = (float)random_double(&random, 0, 0.5);
+        weight_2[i] = (float)random_double(&random, 0, 0.5);
+        const shb_vec3 along_1 = shb_vec3_scale(shb_vec3_subtract(c[1], c[0]), (double)weight_1[i]);
+        const shb_vec3 along_2 = shb_vec3_scale(shb_vec3_subtract(c[2], c[0]), (double)weight_2[i]);
+        points.points[i] = shb_vec3_add(c[0], shb_vec3_add(along_1, along_2));
+    }
+    shb_reference *reference = NULL;
+    CHECK_INT(shb_reference_create(context, scene, &reference), SHB_OK);
+    find_truth(reference, &view, &points);
+    CHECK(count_occluded(&points) > 1000);
+    const shb_list_points asked = {.count = COUNT,
+                                   .own_ids = points.own_ids,
+                                   .weight_1 = weight_1,
+                                   .weight_2 = weight_2,
+                                   .rounding = 0x1p-24};
+    shb_lists_query(lists, &asked, points.visibility);
+    CHECK_INT(count_false_shadow(&points), 0);
+    CHECK_INT(count_false_light(&points), 0);
+    samples_free(&points);
+    shb_reference_destroy(reference);
+    shb_lists_destroy(lists);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
 TEST(what_the_light_does_not_see_is_lit) {
     soup s = {0};
     const float corners[3][3] = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
@@ -630,6 +701,70 @@ TEST(lists_under_a_memory_cap_are_smaller_and_say_the_same) {
     shb_lists_destroy(all);
     shb_lists_destroy(least);
     shb_lists_destroy(capped);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
+static void keep_sentence(void *user, shb_result result, const char *sentence) {
+    (void)result;
+    char *kept = user;
+    snprintf(kept, 256, "%s", sentence);
+}
+
+static shb_map *make_map(shb_context *context, const shb_view *view, size_t occluder_memory) {
+    const shb_map_desc desc = {.view = *view,
+                               .width = 256,
+                               .occluders = SHB_OCCLUDERS_LISTS,
+                               .occluder_memory = occluder_memory};
+    shb_map *map = NULL;
+    CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+    return map;
+}
+
+TEST(a_map_keeps_to_the_memory_for_its_occluders_and_says_the_same) {
+    enum { COUNT = 2000 };
+    soup s = {0};
+    make_soup(&s, 1);
+    const shb_scene *scene = soup_scene(&s);
+    char sentence[256] = "";
+    shb_context *context = NULL;
+    const shb_context_desc desc = {.threads = 1, .log = keep_sentence, .log_user = sentence};
+    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+    shb_box box;
+    CHECK_INT(shb_scene_bounds(scene, &box), SHB_OK);
+    const shb_view view = view_of(&slanted, box, 256, true);
+    shb_map *free_map = make_map(context, &view, 0);
+    const size_t texels = shb_map_get_info(free_map)->memory_bytes;
+    CHECK_INT(shb_map_draw(free_map, scene, NULL, NULL), SHB_OK);
+    const size_t all = shb_map_get_info(free_map)->memory_bytes - texels;
+    shb_lists *least = build(context, &view, 1, scene);
+    const size_t cap = (all + 3 * least->memory_bytes) / 4;
+    shb_map *capped = make_map(context, &view, cap);
+    CHECK_INT(shb_map_draw(capped, scene, NULL, NULL), SHB_OK);
+    CHECK(shb_map_get_info(capped)->memory_bytes - texels <= cap && cap < all);
+
+    samples points = samples_create(scene, COUNT, 17);
+    static float positions[3 * COUNT], a[COUNT], b[COUNT];
+    for (size_t i = 0; i < COUNT; i++) {
+        positions[3 * i] = (float)points.x[i];
+        positions[3 * i + 1] = (float)points.y[i];
+        positions[3 * i + 2] = (float)points.z[i];
+    }
+    const shb_points asked = {.count = COUNT, .positions = positions};
+    const shb_bias exact = shb_bias_exact();
+    CHECK_INT(shb_map_visibility(free_map, &asked, &exact, NULL, a), SHB_OK);
+    CHECK_INT(shb_map_visibility(capped, &asked, &exact, NULL, b), SHB_OK);
+    CHECK(memcmp(a, b, sizeof a) == 0);
+
+    shb_map *tight = make_map(context, &view, least->memory_bytes - 1);
+    CHECK_INT(shb_map_draw(tight, scene, NULL, NULL), SHB_ERROR_MEMORY);
+    CHECK(strstr(sentence, "shb_map_draw") && strstr(sentence, "desc.occluder_memory"));
+    CHECK_INT(shb_map_get_info(tight)->memory_bytes, texels);
+    shb_lists_destroy(least);
+    shb_map_destroy(free_map);
+    shb_map_destroy(capped);
+    shb_map_destroy(tight);
+    samples_free(&points);
     shb_context_destroy(context);
     soup_free(&s);
 }

@@ -50,7 +50,7 @@ typedef enum shb_result {
     SHB_ERROR_ARGUMENT,    /* a pointer is NULL or an enumerator or field is out of its range */
     SHB_ERROR_SIZE,        /* a size is zero, above its limit, or a product of sizes overflows */
     SHB_ERROR_NUMBER,      /* a number that must be finite is not, or a matrix cannot be inverted */
-    SHB_ERROR_MEMORY,      /* the allocator returned NULL */
+    SHB_ERROR_MEMORY,      /* the allocator returned NULL, or a description allows too little */
     SHB_ERROR_UNSUPPORTED, /* the map or the points lack what the method asks for */
     SHB_ERROR_FILE,        /* a file could not be written */
     SHB_ERROR_ARITHMETIC   /* this build or thread does not keep IEEE round-to-nearest arithmetic */

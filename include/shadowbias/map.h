@@ -17,6 +17,10 @@ typedef struct shb_map_desc {
                            vertices at each draw), or of the box of the light's frustum for a map
                            that is wrapped (up to depth 0.5 when far is infinite) */
     shb_occluders occluders; /* kept when the map is drawn, for the exact method; none if wrapped */
+    size_t occluder_memory;  /* the most bytes that lists may keep; 0: as many as they need. Lists
+                                that would keep more are made for texels twice as large, or four
+                                times, and so on: the answers are the same, only slower. Drawing
+                                fails with SHB_ERROR_MEMORY where one texel's would keep more */
 } shb_map_desc;
 
 /* An empty map: every fragment is lit, by any method. Both ways to make a map fail with
