@@ -221,9 +221,9 @@ TEST(squares_that_are_too_wide_are_disks) {
     const shb_filter squares = shb_filter_pcss(0.5f, 0, 0, SHB_TAPS_PLANE);
     const shb_filter disks = shb_filter_pcss(0.5f, 64, 64, SHB_TAPS_PLANE);
     const shb_filter search_disk = shb_filter_pcss(0.5f, 64, 0, SHB_TAPS_PLANE);
-    const shb_filter narrow = shb_filter_pcss(0.03f, 0, 0, SHB_TAPS_PLANE);
-    const shb_filter narrow_disks = shb_filter_pcss(0.03f, 64, 64, SHB_TAPS_PLANE);
-    bool differs = false;
+    const shb_filter narrow = shb_filter_pcss(0.115f, 0, 0, SHB_TAPS_PLANE);
+    const shb_filter narrow_disks = shb_filter_pcss(0.115f, 64, 0, SHB_TAPS_PLANE);
+    bool differs = false; /* a search 118 texels wide */
     for (int i = 0; i < 20; i++) {
         const double x = random_double(&random, -0.3, 0.3), y = random_double(&random, -0.3, 0.3);
         /* Search 4 * 0.5 * 256 texels wide, penumbra about 0.4 * 0.5 * 256. */

@@ -139,6 +139,28 @@ TEST(pcss_kernels_give_scalar_bits_for_every_format_and_count) {
             }
 }
 
+/* Few texels block over an empty floor, at the ends of searches as well: none may be missed. */
+TEST(pcss_misses_no_blocker_by_the_pyramid) {
+    test_random random = {11};
+    points *given = new_points();
+    for (int i = 0; i < 3 * POINTS; i++)
+        given->normals[i] = (float)(i % 3 == 1);
+    for (int round = 0; round < 60; round++) {
+        lit_map asked = new_map(SHB_ISA_BEST, false, false, SHB_FORMAT_FLOAT32);
+        for (int i = 0; i < WIDTH * HEIGHT; i++)
+            asked.texels[i] = random_below(&random, 400) ? 1 : 0.1f;
+        const shb_filter filter =
+            shb_filter_pcss((float)random_double(&random, 0, 0.5), 0, 0, SHB_TAPS_PLANE);
+        float expected[POINTS], actual[POINTS];
+        ask(&asked, given, POINTS, &filter, expected);
+        CHECK_INT(shb_map_prepare(asked.map, &filter), SHB_OK);
+        ask(&asked, given, POINTS, &filter, actual);
+        CHECK(same(expected, actual, POINTS));
+        destroy_map(&asked);
+    }
+    free(given);
+}
+
 /* The pyramid of another map in place of the own one, by turns everything near and far. */
 static void ask_with_other_pyramid(const shb_filter_args *args) {
     const shb_filter pcss = shb_filter_pcss(0.1f, 25, 25, SHB_TAPS_PLANE);
