@@ -1,15 +1,5 @@
-/* Texels of a map as quads that stand between a fragment and a square light.
- *
- * Let u = 1 / w, which is affine in the map's depth: depth = c - q u. A texel at the clip distance
- * w_b whose place in the map lies x texels from that of the fragment, at w_r, is t x w_b away from
- * the line between fragment and light in the texel's plane, t being a texel's width where w is 1.
- * The ray from the fragment past it meets the light's plane, where w is 0, in
- *     t x w_b w_r / (w_r - w_b) = t x / (u_b - u_r) = t q x / (depth_r - depth_b)
- * from the middle of the light. So with the width L of the light, and in parts of it,
- *     0.5 + x / (k (depth_r - depth_b)),   k = L / (t q):
- * quads are projected in the map's own coordinates, with one division a texel. The light spans
- * k (depth_r - depth_b) texels about the fragment's place. Under parallel rays, with L the width at
- * the distance of one unit, the same follows at once.
+/* Texels of a map as quads that stand between a fragment and a square light, projected on the light
+ * in the map's own coordinates (light_span.h).
  *
  * Neighbours of different depth leave gaps or overlap on the light. Where both are occluders, a
  * quad is extended over the gap to its left and its upper neighbour (Guennebaud, Barthe and Paulin
@@ -17,16 +7,14 @@
 #ifndef SRC_BACKPROJECTION_H
 #define SRC_BACKPROJECTION_H
 
-#include "depth_minima.h"
+#include "light_span.h"
 
 /* Sides of windows, in quads; a larger window has quads of several texels. */
 enum { SHB_WINDOW_MIN = 4, SHB_WINDOW_MAX = 64, SHB_WINDOW_BUFFER = SHB_WINDOW_MAX + 1 };
 
 typedef struct shb_backprojection {
-    shb_depth_minima minima;
-    float near_depth, far_depth; /* canonical */
-    float span_x, span_y;        /* k: texels that the light spans per difference of depth */
-    int window;                  /* SHB_WINDOW_MIN .. SHB_WINDOW_MAX */
+    shb_light_span span;
+    int window; /* SHB_WINDOW_MIN .. SHB_WINDOW_MAX */
 } shb_backprojection;
 
 /* Parameters that filters by backprojection have in common. */
@@ -41,11 +29,10 @@ void shb_backprojection_release(const shb_map *map, void *prepared);
 typedef struct shb_quad_window {
     const shb_backprojection *projection;
     const shb_map *map;
-    int32_t texel_x, texel_y; /* of the fragment */
-    float to_center_x, to_center_y;
+    int32_t texel_x, texel_y;  /* of the fragment */
     float ref, step_x, step_y; /* its plane */
-    float depth;               /* of the plane at its own place */
-    int32_t first_x, first_y;  /* quad */
+    shb_light_place place;
+    int32_t first_x, first_y; /* quad */
     int32_t columns, rows, stride;
     /* 1 / difference of depth of the quads of the row that is read and the one above; 0: none. What
      * lies before the window never reaches into the light. */
