@@ -1,5 +1,5 @@
 # libshadowbias: make, make demo, make check, make bench, make peers,
-#   make stability, make install.
+#   make stability, make report (QUICK=1), make install.
 #   config=release|debug|sanitize|coverage   V=1 shows the commands   CC=clang   CFLAGS, PREFIX, DESTDIR
 
 CC ?= cc
@@ -34,11 +34,12 @@ TEST_SRC := $(wildcard tests/*.c tests/support/*.c)
 BENCH_SRC := $(wildcard tests/bench/*.c)
 PEER_SUPPORT_SRC := $(addprefix tests/bench/peers/,comparison.c world_mesh.c)
 STABILITY_SRC := $(wildcard tests/stability/*.c)
+REPORT_SRC := $(wildcard examples/report/*.c)
 
 object = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
-OBJECTS := $(call object,$(LIB_SRC) $(SUPPORT_SRC) $(TEST_SRC) $(BENCH_SRC) $(STABILITY_SRC) $(wildcard examples/*.c tests/bench/peers/*.c))
+OBJECTS := $(call object,$(LIB_SRC) $(SUPPORT_SRC) $(TEST_SRC) $(BENCH_SRC) $(STABILITY_SRC) $(REPORT_SRC) $(wildcard examples/*.c tests/bench/peers/*.c))
 
-all: $(LIBRARY) $(EXAMPLES)
+all: $(LIBRARY) $(EXAMPLES) $(BUILD)/report
 
 $(LIBRARY): $(call object,$(LIB_SRC))
 	$(Q)rm -f $@
@@ -48,13 +49,16 @@ $(EXAMPLES): $(BUILD)/%: $(BUILD)/obj/examples/%.o $(call object,$(SUPPORT_SRC))
 	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
 
 $(BUILD)/check: $(call object,$(TEST_SRC) $(SUPPORT_SRC) \
-		$(filter-out %/stability.c,$(STABILITY_SRC))) $(LIBRARY)
+		$(filter-out %/stability.c,$(STABILITY_SRC)) $(filter-out %/report/report.c,$(REPORT_SRC))) $(LIBRARY)
 	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
 
 $(BUILD)/bench: $(call object,$(BENCH_SRC) $(SUPPORT_SRC)) $(LIBRARY)
 	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
 
 $(BUILD)/stability: $(call object,$(STABILITY_SRC) $(SUPPORT_SRC)) $(LIBRARY)
+	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
+
+$(BUILD)/report: $(call object,$(REPORT_SRC) $(SUPPORT_SRC)) $(LIBRARY)
 	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
 
 # Objects depend on the commands that made them, so that another CC or CFLAGS rebuilds.
@@ -104,6 +108,9 @@ stability: $(BUILD)/stability
 	$(Q)mkdir -p $(BUILD)/out
 	$(Q)$(BUILD)/stability --out $(BUILD)/out
 
+report: $(BUILD)/report
+	$(Q)$(BUILD)/report --out $(BUILD)/out/report $(if $(QUICK),--quick)
+
 install: $(LIBRARY)
 	$(Q)mkdir -p $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include/shadowbias
 	$(Q)cp $(LIBRARY) $(DESTDIR)$(PREFIX)/lib/
@@ -116,5 +123,5 @@ clean:
 format:
 	$(Q)clang-format -i $$(git ls-files '*.c' '*.h' '*.inl')
 
-.PHONY: all demo soft check bench peers stability install clean format
+.PHONY: all demo soft check bench peers stability report install clean format
 -include $(OBJECTS:.o=.d)

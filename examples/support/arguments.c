@@ -58,6 +58,7 @@ static bool read_value(const argument_spec *argument, const char *text, char *er
     const char *end = text;
     switch (argument->kind) {
     case ARGUMENT_FLAG:
+    case ARGUMENT_TEXTS:
         break;
     case ARGUMENT_TEXT:
         *(const char **)argument->target = text;
@@ -86,20 +87,28 @@ static bool read_value(const argument_spec *argument, const char *text, char *er
     return false;
 }
 
+static uint32_t most_operands(const argument_spec *argument) {
+    return argument->kind == ARGUMENT_TEXTS ? argument->hi : 1;
+}
+
 bool arguments_parse(int argc, char **argv, const argument_spec *arguments, size_t count,
                      char *error, size_t error_size) {
-    bool operand_seen = false;
+    uint32_t operands = 0;
     for (int i = 1; i < argc; i++) {
         const char *text = argv[i];
         const bool is_option = text[0] == '-' && text[1];
         const char *equals = is_option ? strchr(text, '=') : NULL;
         const size_t length = !is_option ? 0 : equals ? (size_t)(equals - text) : strlen(text);
         const argument_spec *argument = find_argument(arguments, count, text, length);
-        if (!argument || (!is_option && operand_seen)) {
+        if (!argument || (!is_option && operands == most_operands(argument))) {
             snprintf(error, error_size, "%s: unknown argument", text);
             return false;
         }
-        operand_seen |= !is_option;
+        if (argument->kind == ARGUMENT_TEXTS) {
+            ((const char **)argument->target)[operands++] = text;
+            continue;
+        }
+        operands += !is_option;
         if (argument->kind == ARGUMENT_FLAG && !equals) {
             *(bool *)argument->target = true;
             continue;

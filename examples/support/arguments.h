@@ -1,4 +1,4 @@
-/* Command lines: "--name value", "--name=value", flags and one operand. */
+/* Command lines: "--name value", "--name=value", flags and operands. */
 #ifndef EXAMPLES_ARGUMENTS_H
 #define EXAMPLES_ARGUMENTS_H
 
@@ -12,11 +12,12 @@ typedef enum argument_kind {
     ARGUMENT_TEXT,  /* const char * */
     ARGUMENT_COUNT, /* uint32_t, lo .. hi */
     ARGUMENT_SIZE,  /* uint32_t[2], "WxH", each lo .. hi */
-    ARGUMENT_POINT  /* double[3], "X,Y,Z" */
+    ARGUMENT_POINT, /* double[3], "X,Y,Z" */
+    ARGUMENT_TEXTS  /* const char **, room for hi texts: of operands, that may be several */
 } argument_kind;
 
 typedef struct argument_spec {
-    const char *name;  /* with its dashes; NULL: the operand, which is a text */
+    const char *name;  /* with its dashes; NULL: the operand */
     const char *value; /* what the help calls its value; NULL for a flag */
     const char *help;
     argument_kind kind;

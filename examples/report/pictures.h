@@ -1,0 +1,37 @@
+/* Pictures of the results as PNG files: what the page mixes its views from. A picture of a scene is
+ * linear in the visibility of its light, so that one fully lit and one without the light are
+ * enough, and each method adds no more than its visibility. */
+#ifndef REPORT_PICTURES_H
+#define REPORT_PICTURES_H
+
+#include "measure.h"
+#include "rows.h"
+
+#define REPORT_PICTURE_PATH 512
+
+/* Kinds of pictures, by what they belong to. */
+typedef enum report_picture {
+    REPORT_PICTURE_LIT,   /* a scene and light: everything lit */
+    REPORT_PICTURE_DARK,  /* the same: everything in shadow */
+    REPORT_PICTURE_TRUTH, /* scene, light and map size: the truth of each pixel, in greys */
+    REPORT_PICTURE_METHOD /* a row: its visibility */
+} report_picture;
+
+/* The greys of the truth, by SHB_TRUTH_*: what does not count is black, what is lit is brighter
+ * than 150, and what lies at a boundary is 200 or 48. */
+uint8_t report_truth_grey(uint8_t truth);
+
+/* The name of a picture's file without directory and ending. */
+void report_picture_name(char *name, size_t size, report_picture kind, const report_row *row);
+
+shb_result report_picture_extremes(const char *directory, const report_row *row,
+                                   const measure_frame *frame, const shb_map *map,
+                                   const float light_color[3], const shb_image *image);
+shb_result report_picture_truth(const char *directory, const report_row *row,
+                                const measure_frame *frame, const uint8_t *truth);
+
+/* The frame's latest visibility, two colours unless soft. */
+shb_result report_picture_visibility(const char *directory, const report_row *row,
+                                     const measure_frame *frame, bool soft);
+
+#endif

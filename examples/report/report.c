@@ -1,0 +1,83 @@
+/* Speed against error, every method on every scene: report --help. */
+#include "arguments.h"
+#include "survey.h"
+#include "tool.h"
+
+#include <stdio.h>
+#include <sys/stat.h>
+
+typedef struct report_command {
+    report_options options;
+    bool help;
+} report_command;
+
+static bool read_command(int argc, char **argv, report_command *command) {
+    report_options *options = &command->options;
+    const argument_spec arguments[] = {
+        {NULL, "SCENE.obj ...", "scenes to measure beside the built-in ones", ARGUMENT_TEXTS,
+         (void *)options->operands, 0, REPORT_OPERANDS_MAX},
+        {"--only", NULL, "measure the named scenes and no others", ARGUMENT_FLAG, &options->only, 0,
+         0},
+        {"--quick", NULL, "few scenes, small pictures, two map sizes", ARGUMENT_FLAG,
+         &options->quick, 0, 0},
+        {"--continue", NULL, "keep rows of the same settings that the report has already",
+         ARGUMENT_FLAG, &options->keep, 0, 0},
+        {"--out", "DIR", "directory of the report; default build/out/report", ARGUMENT_TEXT,
+         &options->directory, 0, 0},
+        {"--meshes", "DIR", "directory of further OBJ files; default ../shared/scenes",
+         ARGUMENT_TEXT, &options->meshes, 0, 0},
+        {"--threads", "N", "threads; default: all", ARGUMENT_COUNT, &options->threads, 1, 256},
+        {"--help", NULL, "this text", ARGUMENT_FLAG, &command->help, 0, 0},
+    };
+    const size_t count = sizeof arguments / sizeof *arguments;
+    char error[256];
+    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
+        fprintf(stderr, "report: %s\n", error);
+        return false;
+    }
+    if (command->help) {
+        printf("usage: report [OPTIONS] [SCENE.obj ...]\n");
+        arguments_print(stdout, arguments, count);
+    }
+    return true;
+}
+
+static bool write_report(shb_context *context, const report_options *options) {
+    char path[512], settings[96];
+    report_rows rows = {0};
+    snprintf(path, sizeof path, "%s/report.tsv", options->directory);
+    report_settings(options, context, settings, sizeof settings);
+    bool done = !options->keep || report_rows_read(&rows, settings, path);
+    remove(path);
+    done = done && (rows.count == 0 || report_rows_append(rows.rows, rows.count, path)) &&
+           report_survey(context, options, settings, path, &rows);
+    if (done)
+        printf("%zu rows in %s\n", rows.count, path);
+    report_rows_free(&rows);
+    return done;
+}
+
+/* Makes the directory and those above it. */
+static void make_directories(const char *path) {
+    char part[512];
+    for (size_t i = 1; path[i] && i < sizeof part; i++)
+        if (path[i] == '/') {
+            snprintf(part, sizeof part, "%.*s", (int)i, path);
+            mkdir(part, 0777);
+        }
+    mkdir(path, 0777);
+}
+
+int main(int argc, char **argv) {
+    report_command command = {
+        .options = {.directory = "build/out/report", .meshes = "../shared/scenes"}};
+    if (!read_command(argc, argv, &command))
+        return TOOL_USAGE;
+    if (command.help)
+        return TOOL_OK;
+    make_directories(command.options.directory);
+    shb_context *context = tool_create_context("report", command.options.threads, SHB_ISA_BEST);
+    const bool done = context && write_report(context, &command.options);
+    shb_context_destroy(context);
+    return done ? TOOL_OK : TOOL_FAILED;
+}

@@ -1,0 +1,24 @@
+/* The scenes of a survey: built-in ones, meshes of a directory, and those that the user names. */
+#ifndef REPORT_SCENE_LIST_H
+#define REPORT_SCENE_LIST_H
+
+#include "survey.h"
+
+typedef struct report_scene {
+    char text[512]; /* as scene_open takes it */
+    char name[64];  /* for rows and files: letters, digits, '-', '_' and '.'; no two are equal */
+    bool both_lights;
+} report_scene;
+
+typedef struct report_scene_list {
+    report_scene *scenes;
+    size_t count, capacity;
+    bool failed; /* out of memory */
+} report_scene_list;
+
+/* Scenes in the order in which the report shows them. */
+report_scene_list report_list_scenes(const report_options *options);
+
+void report_scene_list_free(report_scene_list *list);
+
+#endif

@@ -1,0 +1,32 @@
+/* The whole comparison: which scenes, lights and map sizes, and one group of rows after the other.
+ */
+#ifndef REPORT_SURVEY_H
+#define REPORT_SURVEY_H
+
+#include "rows.h"
+
+#include "shadowbias/context.h"
+
+#define REPORT_OPERANDS_MAX 64
+
+typedef struct report_options {
+    const char *operands[REPORT_OPERANDS_MAX + 1]; /* scenes of the user; NULL ends them */
+    const char *directory;                         /* of the report */
+    const char *meshes;                            /* directory of further OBJ files */
+    uint32_t threads;                              /* 0: all */
+    bool only;                                     /* the user's scenes and no others */
+    bool quick;
+    bool keep; /* rows that are there already, of the same settings */
+} report_options;
+
+/* The settings that rows must share to be compared: size of the picture, runs, threads,
+ * instruction set. */
+void report_settings(const report_options *options, const shb_context *context, char *text,
+                     size_t size);
+
+/* Measures everything that the options ask for and is not in rows, and appends it to the file as
+ * soon as it is there. False, and a line on stderr, if something fails. */
+bool report_survey(shb_context *context, const report_options *options, const char *settings,
+                   const char *path, report_rows *rows);
+
+#endif
