@@ -61,6 +61,18 @@ $(BUILD)/stability: $(call object,$(STABILITY_SRC) $(SUPPORT_SRC)) $(LIBRARY)
 $(BUILD)/report: $(call object,$(REPORT_SRC) $(SUPPORT_SRC)) $(LIBRARY)
 	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
 
+# The parts of the report's page become lists of quoted lines.
+ASSETS := $(BUILD)/obj/examples/report/assets
+PAGE := $(patsubst examples/report/%,$(ASSETS)/%.inc,$(wildcard examples/report/page.html \
+	examples/report/page.css examples/report/page.js))
+
+$(ASSETS)/%.inc: examples/report/%
+	$(Q)mkdir -p $(@D)
+	$(Q)sed 's/[\\"]/\\&/g; s/.*/"&\\n",/' $< > $@
+
+$(call object,examples/report/assets.c): $(PAGE)
+$(call object,examples/report/assets.c): FLAGS += -I$(ASSETS)
+
 # Objects depend on the commands that made them, so that another CC or CFLAGS rebuilds.
 STAMP := $(BUILD)/obj/flags
 $(shell mkdir -p $(BUILD)/obj && echo '$(CC) $(FLAGS)' | cmp -s - $(STAMP) || echo '$(CC) $(FLAGS)' > $(STAMP))

@@ -36,8 +36,8 @@ report_row report_group_key(const report_group *group, const report_method *meth
 
 static shb_result create_maps(session *s) {
     shb_map_desc desc = {.width = s->group->map_size};
-    shb_result result = scene_light_view(s->stage->scene, s->group->light, desc.width, false,
-                                         &desc.view);
+    shb_result result =
+        scene_light_view(s->stage->scene, s->group->light, desc.width, false, &desc.view);
     for (int i = SHB_OCCLUDERS_NONE; !result && i <= SHB_OCCLUDERS_LISTS; i++) {
         desc.occluders = (shb_occluders)i;
         result = shb_map_create(s->stage->context, &desc, &s->maps[i]);
@@ -130,8 +130,8 @@ static shb_result judge(session *s, const report_method *method, report_row *row
     if (result)
         return result;
     const uint64_t all = errors.lit + errors.shadowed;
-    const uint64_t wrong = errors.false_shadow + errors.false_light + errors.boundary_shadow +
-                           errors.boundary_light;
+    const uint64_t wrong =
+        errors.false_shadow + errors.false_light + errors.boundary_shadow + errors.boundary_light;
     row->triangles = s->stage->scene->triangle_count;
     row->fragments = all;
     row->memory_bytes = shb_map_get_info(s->maps[method->occluders])->memory_bytes;
@@ -145,9 +145,9 @@ static shb_result judge(session *s, const report_method *method, report_row *row
 
 static shb_result picture_method(const session *s, const report_method *method,
                                  const report_row *row) {
-    return s->group->pictures ? report_picture_visibility(s->group->pictures, row,
-                                                          &s->stage->frame, method->soft)
-                              : SHB_OK;
+    return s->group->pictures
+               ? report_picture_visibility(s->group->pictures, row, &s->stage->frame, method->soft)
+               : SHB_OK;
 }
 
 static void take_medians(const session *s, size_t number, report_row *row) {
@@ -182,17 +182,16 @@ static shb_result picture_rest(session *s) {
     if (!group->pictures)
         return SHB_OK;
     const report_row key = report_group_key(group, &group->methods->methods[0]);
-    const shb_result result = report_picture_extremes(group->pictures, &key, &s->stage->frame,
-                                                      s->maps[0], s->light->color, &s->stage->image);
-    return result ? result
-                  : report_picture_truth(group->pictures, &key, &s->stage->frame,
-                                         s->truth_of_pixels);
+    const shb_result result = report_picture_extremes(
+        group->pictures, &key, &s->stage->frame, s->maps[0], s->light->color, &s->stage->image);
+    return result
+               ? result
+               : report_picture_truth(group->pictures, &key, &s->stage->frame, s->truth_of_pixels);
 }
 
 shb_result report_group_measure(const report_group *group, report_row *rows) {
-    session s = {.group = group,
-                 .stage = group->stage,
-                 .light = &group->stage->scene->lights[group->light]};
+    session s = {
+        .group = group, .stage = group->stage, .light = &group->stage->scene->lights[group->light]};
     shb_result result = create_maps(&s);
     if (!result)
         result = find_truth(&s);

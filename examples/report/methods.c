@@ -27,8 +27,9 @@ static bool is_among(const char *name, const char *const *names) {
 /* Layers hold other depths than what lies around a texel, so that wide kernels see steps in them;
  * without a bias a kernel shows nothing but acne. */
 static bool goes_with(const shb_bias *bias, const shb_filter *filter, bool quick) {
-    static const char *const wide[] = {"constant", "slope",         "normal-offset", "receiver-plane",
-                                       "adaptive", "adaptive-soft", "exact",         NULL};
+    static const char *const wide[] = {"constant",       "slope",    "normal-offset",
+                                       "receiver-plane", "adaptive", "adaptive-soft",
+                                       "exact",          NULL};
     static const char *const wide_quick[] = {"constant", "adaptive-soft", "exact", NULL};
     if (is_exact(bias) && !filter->exact)
         return false;

@@ -14,8 +14,8 @@ typedef enum report_family {
 } report_family;
 
 typedef struct report_method {
-    char name[64];    /* the bias method, with what the map keeps for the exact one */
-    char filter[64];  /* text form of the filter */
+    char name[64];   /* the bias method, with what the map keeps for the exact one */
+    char filter[64]; /* text form of the filter */
     shb_bias bias;
     shb_filter with;
     shb_occluders occluders;

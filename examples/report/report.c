@@ -1,5 +1,8 @@
 /* Speed against error, every method on every scene: report --help. */
 #include "arguments.h"
+#include "machine_name.h"
+#include "page.h"
+#include "summary.h"
 #include "survey.h"
 #include "tool.h"
 
@@ -42,6 +45,19 @@ static bool read_command(int argc, char **argv, report_command *command) {
     return true;
 }
 
+static bool write_page(const report_options *options, const char *settings, report_rows *rows) {
+    char path[512], pictures[512], machine[128];
+    snprintf(path, sizeof path, "%s/index.html", options->directory);
+    snprintf(pictures, sizeof pictures, "%s/pictures", options->directory);
+    report_machine_name(machine, sizeof machine);
+    const report_page page = {rows, pictures, settings, machine};
+    if (!tool_succeeds("report", "means", report_add_means(rows) ? SHB_OK : SHB_ERROR_MEMORY) ||
+        !tool_succeeds("report", path, report_page_write(&page, path) ? SHB_OK : SHB_ERROR_FILE))
+        return false;
+    printf("the page: %s\n", path);
+    return true;
+}
+
 static bool write_report(shb_context *context, const report_options *options) {
     char path[512], settings[96];
     report_rows rows = {0};
@@ -52,7 +68,8 @@ static bool write_report(shb_context *context, const report_options *options) {
     done = done && (rows.count == 0 || report_rows_append(rows.rows, rows.count, path)) &&
            report_survey(context, options, settings, path, &rows);
     if (done)
-        printf("%zu rows in %s\n", rows.count, path);
+        printf("%zu rows: %s\n", rows.count, path);
+    done = done && write_page(options, settings, &rows);
     report_rows_free(&rows);
     return done;
 }

@@ -13,7 +13,8 @@ typedef struct column {
     size_t offset, size;
 } column;
 
-#define COLUMN(name, kind) {#name, kind, offsetof(report_row, name), sizeof(((report_row *)0)->name)}
+#define COLUMN(name, kind)                                                                         \
+    { #name, kind, offsetof(report_row, name), sizeof(((report_row *)0)->name) }
 
 static const column columns[] = {
     COLUMN(scene, COLUMN_TEXT),

@@ -10,8 +10,8 @@ static shb_result create(report_stage *stage, const uint32_t size[2]) {
     stage->image = (shb_image){malloc(3 * (size_t)size[0] * size[1]), size[0], size[1], 0};
     if (!stage->image.pixels)
         return SHB_ERROR_MEMORY;
-    const shb_result result = shb_reference_create(stage->context, &stage->scene->scene,
-                                                   &stage->reference);
+    const shb_result result =
+        shb_reference_create(stage->context, &stage->scene->scene, &stage->reference);
     return result ? result
                   : measure_frame_create(stage->context, stage->scene, size[0], size[1],
                                          &stage->frame);
