@@ -24,18 +24,6 @@ static bool is_among(const char *name, const char *const *names) {
     return *names != NULL;
 }
 
-/* Layers hold other depths than what lies around a texel, so that wide kernels see steps in them;
- * without a bias a kernel shows nothing but acne. */
-static bool goes_with(const shb_bias *bias, const shb_filter *filter, bool quick) {
-    static const char *const wide[] = {"constant",       "slope",    "normal-offset",
-                                       "receiver-plane", "adaptive", "adaptive-soft",
-                                       "exact",          NULL};
-    static const char *const wide_quick[] = {"constant", "adaptive-soft", "exact", NULL};
-    if (is_exact(bias) && !filter->exact)
-        return false;
-    return strcmp(filter->name, "hard") == 0 || is_among(bias->name, quick ? wide_quick : wide);
-}
-
 static void add(report_methods *list, const char *name, const shb_bias *bias,
                 const shb_filter *filter, shb_occluders occluders) {
     report_method *method = &list->methods[list->count++];
@@ -54,19 +42,15 @@ static void add_all(report_methods *list, const shb_bias *bias, const shb_filter
         add(list, exact_maps[i].name, bias, filter, exact_maps[i].occluders);
 }
 
-report_methods report_list_methods(bool quick) {
-    size_t bias_count, filter_count;
+report_methods report_list_methods(void) {
+    size_t bias_count;
     const shb_bias_method *biases = shb_bias_methods(&bias_count);
-    const shb_filter_method *filters = shb_filter_methods(&filter_count);
-    report_methods list = {
-        .methods = calloc((bias_count + EXACT_MAPS) * filter_count, sizeof(report_method))};
-    for (size_t f = 0; list.methods && f < filter_count; f++)
-        for (size_t b = 0; b < bias_count; b++) {
-            const shb_bias bias = biases[b].make();
-            const shb_filter filter = filters[f].make();
-            if (goes_with(&bias, &filter, quick))
-                add_all(&list, &bias, &filter);
-        }
+    const shb_filter hard = shb_filter_hard();
+    report_methods list = {.methods = calloc(bias_count + EXACT_MAPS, sizeof(report_method))};
+    for (size_t b = 0; list.methods && b < bias_count; b++) {
+        const shb_bias bias = biases[b].make();
+        add_all(&list, &bias, &hard);
+    }
     return list;
 }
 

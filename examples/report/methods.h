@@ -27,9 +27,9 @@ typedef struct report_methods {
     size_t count;
 } report_methods;
 
-/* Every bias method with every filter that goes with it; quick: soft filters with three of the bias
- * methods. NULL methods: out of memory. To be released with free. */
-report_methods report_list_methods(bool quick);
+/* Every bias method with the hard filter, whose truth the rays know. NULL methods: out of memory.
+ * To be released with free. */
+report_methods report_list_methods(void);
 
 report_family report_family_of(const char *method);
 const char *report_family_name(report_family family);

@@ -119,7 +119,7 @@ bool report_survey(shb_context *context, const report_options *options, const ch
                    const char *path, report_rows *rows) {
     survey s = {.context = context,
                 .scale = scale_of(options),
-                .methods = report_list_methods(options->quick),
+                .methods = report_list_methods(),
                 .settings = settings,
                 .path = path,
                 .rows = rows};
