@@ -514,8 +514,9 @@ static bool lists_equal(const shb_lists *a, const shb_lists *b) {
     for (uint32_t row = 0; row < a->height; row++)
         for (uint32_t column = 0; column < a->width; column++) {
             const cell_view x = cell_at(a, column, row), y = cell_at(b, column, row);
-            if (x.count != y.count ||
-                memcmp(x.entries, y.entries, x.count * sizeof *x.entries) != 0)
+            if (x.count != y.count)
+                return false;
+            if (x.count && memcmp(x.entries, y.entries, x.count * sizeof *x.entries) != 0)
                 return false;
         }
     return true;
