@@ -192,7 +192,8 @@ shb_result shb_scene_bounds(const shb_scene *scene, shb_box *bounds) {
 size_t shb_scene_instance_of(const shb_scene *scene, uint32_t id, uint32_t *first) {
     size_t instance = 0;
     *first = 0;
-    while (id - *first >= scene->instances[instance].mesh->triangle_count)
+    while (instance < scene->instance_count &&
+           id - *first >= scene->instances[instance].mesh->triangle_count)
         *first += scene->instances[instance++].mesh->triangle_count;
     return instance;
 }

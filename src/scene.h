@@ -44,7 +44,7 @@ static inline const float *shb_mesh_normal(const shb_mesh *mesh, uint32_t vertex
 }
 
 /* Finds the instance of a triangle id: the instance's number, and in *first the id of its first
- * triangle. The id must be below the triangle count. */
+ * triangle; the number of instances if the scene has no such triangle. */
 size_t shb_scene_instance_of(const shb_scene *scene, uint32_t id, uint32_t *first);
 
 #endif

@@ -79,20 +79,15 @@ static void normal_columns(const shb_mat4 *a, bool mirrors, shb_vec3 columns[3])
 }
 
 bool shb_surface_find_instance(const shb_scene *scene, uint32_t id, shb_surface_instance *found) {
-    uint32_t first = 0;
-    for (size_t i = 0; i < scene->instance_count; i++) {
-        const shb_instance *instance = &scene->instances[i];
-        if (id - first < instance->mesh->triangle_count) {
-            found->mesh = instance->mesh;
-            found->first_id = first;
-            found->transform = shb_instance_transform(instance);
-            found->mirrors = shb_transform_mirrors(&found->transform);
-            normal_columns(&found->transform, found->mirrors, found->normal_columns);
-            return true;
-        }
-        first += instance->mesh->triangle_count;
-    }
-    return false;
+    const size_t number = shb_scene_instance_of(scene, id, &found->first_id);
+    if (number == scene->instance_count)
+        return false;
+    const shb_instance *instance = &scene->instances[number];
+    found->mesh = instance->mesh;
+    found->transform = shb_instance_transform(instance);
+    found->mirrors = shb_transform_mirrors(&found->transform);
+    normal_columns(&found->transform, found->mirrors, found->normal_columns);
+    return true;
 }
 
 bool shb_surface_prepare_of(const shb_surface_instance *instance, const shb_view *camera,
