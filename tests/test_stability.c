@@ -20,9 +20,9 @@ static shb_context *create_context(void) {
 
 /* Errors of a method in a case, by default. */
 static shb_errors errors_in(stability_stage *stage, const char *name) {
-    stability_method method;
+    listed_method method;
     shb_errors errors = {0};
-    if (CHECK(stability_method_named(name, &method)))
+    if (CHECK(method_list_named(name, &method)))
         CHECK_INT(stability_measure(stage, &method, &errors), SHB_OK);
     return errors;
 }
@@ -77,8 +77,8 @@ TEST(a_scale_of_a_power_of_two_changes_no_count_of_errors) {
     small.scale = 0x1p-12;
     large.scale = 0x1p20;
     stability_stage first = stage_of(context, &small), second = stage_of(context, &large);
-    stability_method method;
-    for (size_t i = 0; stability_method_at(i, &method); i++) {
+    listed_method method;
+    for (size_t i = 0; method_list_at(i, &method); i++) {
         const shb_errors a = errors_in(&first, method.name), b = errors_in(&second, method.name);
         CHECK(a.lit > 0 && a.shadowed > 0);
         CHECK_INT(a.lit, b.lit);
@@ -134,8 +134,8 @@ TEST(tuning_finds_a_better_parameter) {
     shb_context *context = create_context();
     const stability_case c = case_of("relief-1");
     stability_stage stage = stage_of(context, &c);
-    stability_method method;
-    for (size_t i = 0; stability_method_at(i, &method); i++) {
+    listed_method method;
+    for (size_t i = 0; method_list_at(i, &method); i++) {
         if (!method.method->param_names[0])
             continue;
         const shb_errors usual = errors_in(&stage, method.name);
@@ -153,11 +153,11 @@ TEST(cases_and_methods_of_the_suite_have_names_of_their_own) {
     for (size_t i = 0; stability_case_at(i); i++)
         CHECK(stability_case_named(stability_case_at(i)->name) == stability_case_at(i));
     CHECK(stability_case_named("") == NULL);
-    stability_method method, named;
-    for (size_t i = 0; stability_method_at(i, &method); i++)
-        CHECK(stability_method_named(method.name, &named) && named.method == method.method &&
+    listed_method method, named;
+    for (size_t i = 0; method_list_at(i, &method); i++)
+        CHECK(method_list_named(method.name, &named) && named.method == method.method &&
               named.occluders == method.occluders);
-    CHECK(!stability_method_named("", &named));
+    CHECK(!method_list_named("", &named));
 }
 
 /* 1 of 4 lit and 2 of 8 shadowed fragments are wrong in all: 3 of 12, or 250000 per million. */

@@ -143,11 +143,9 @@ static shb_result judge(session *s, const report_method *method, report_row *row
     return judge_detachment(s, method, row);
 }
 
-static shb_result picture_method(const session *s, const report_method *method,
-                                 const report_row *row) {
-    return s->group->pictures
-               ? report_picture_visibility(s->group->pictures, row, &s->stage->frame, method->soft)
-               : SHB_OK;
+static shb_result picture_method(const session *s, const report_row *row) {
+    return s->group->pictures ? report_picture_visibility(s->group->pictures, row, &s->stage->frame)
+                              : SHB_OK;
 }
 
 static void take_medians(const session *s, size_t number, report_row *row) {
@@ -169,7 +167,7 @@ static shb_result run_all(session *s, report_row *rows) {
             if (!result && k == 0)
                 result = judge(s, &s->group->methods->methods[i], &rows[i]);
             if (!result && k == 0)
-                result = picture_method(s, &s->group->methods->methods[i], &rows[i]);
+                result = picture_method(s, &rows[i]);
         }
     for (size_t i = 0; !result && i < count; i++)
         take_medians(s, i, &rows[i]);

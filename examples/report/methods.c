@@ -1,22 +1,10 @@
 #include "methods.h"
 
+#include "method_list.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const struct {
-    const char *name;
-    shb_occluders occluders;
-} exact_maps[] = {
-    {"exact-planes", SHB_OCCLUDERS_PLANES},
-    {"exact-triangles", SHB_OCCLUDERS_TRIANGLES},
-    {"exact-lists", SHB_OCCLUDERS_LISTS},
-};
-enum { EXACT_MAPS = sizeof exact_maps / sizeof *exact_maps };
-
-static bool is_exact(const shb_bias *bias) {
-    return bias->needs & SHB_NEEDS_OCCLUDERS;
-}
 
 static bool is_among(const char *name, const char *const *names) {
     while (*names && strcmp(*names, name) != 0)
@@ -24,32 +12,19 @@ static bool is_among(const char *name, const char *const *names) {
     return *names != NULL;
 }
 
-static void add(report_methods *list, const char *name, const shb_bias *bias,
-                const shb_filter *filter, shb_occluders occluders) {
-    report_method *method = &list->methods[list->count++];
-    *method = (report_method){.bias = *bias,
-                              .with = *filter,
-                              .occluders = occluders,
-                              .soft = strcmp(filter->name, "hard") != 0};
-    snprintf(method->name, sizeof method->name, "%s", name);
-    snprintf(method->filter, sizeof method->filter, "%s", filter->name);
-}
-
-static void add_all(report_methods *list, const shb_bias *bias, const shb_filter *filter) {
-    if (!is_exact(bias))
-        add(list, bias->name, bias, filter, SHB_OCCLUDERS_NONE);
-    for (size_t i = 0; is_exact(bias) && i < EXACT_MAPS; i++)
-        add(list, exact_maps[i].name, bias, filter, exact_maps[i].occluders);
-}
-
 report_methods report_list_methods(void) {
-    size_t bias_count;
-    const shb_bias_method *biases = shb_bias_methods(&bias_count);
     const shb_filter hard = shb_filter_hard();
-    report_methods list = {.methods = calloc(bias_count + EXACT_MAPS, sizeof(report_method))};
-    for (size_t b = 0; list.methods && b < bias_count; b++) {
-        const shb_bias bias = biases[b].make();
-        add_all(&list, &bias, &hard);
+    listed_method listed;
+    size_t count = 0;
+    while (method_list_at(count, &listed))
+        count++;
+    report_methods list = {.methods = calloc(count, sizeof(report_method))};
+    for (; list.methods && method_list_at(list.count, &listed); list.count++) {
+        report_method *method = &list.methods[list.count];
+        *method = (report_method){
+            .bias = listed.method->make(), .with = hard, .occluders = listed.occluders};
+        snprintf(method->name, sizeof method->name, "%s", listed.name);
+        snprintf(method->filter, sizeof method->filter, "%s", hard.name);
     }
     return list;
 }

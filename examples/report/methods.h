@@ -19,7 +19,6 @@ typedef struct report_method {
     shb_bias bias;
     shb_filter with;
     shb_occluders occluders;
-    bool soft; /* visibility is not only 0 or 1 */
 } report_method;
 
 typedef struct report_methods {

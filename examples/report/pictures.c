@@ -1,6 +1,7 @@
 #include "pictures.h"
 
 #include "png.h"
+#include "summary.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -90,7 +91,8 @@ shb_result report_picture_truth(const char *directory, const report_row *row,
 }
 
 shb_result report_picture_visibility(const char *directory, const report_row *row,
-                                     const measure_frame *frame, bool soft) {
+                                     const measure_frame *frame) {
+    const bool soft = !report_is_hard(row);
     const uint32_t width = frame->frame.width, height = frame->frame.height;
     uint8_t *greys = calloc((size_t)width * height, 1);
     if (!greys)

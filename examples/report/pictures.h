@@ -30,8 +30,8 @@ shb_result report_picture_extremes(const char *directory, const report_row *row,
 shb_result report_picture_truth(const char *directory, const report_row *row,
                                 const measure_frame *frame, const uint8_t *truth);
 
-/* The frame's latest visibility, two colours unless soft. */
+/* The frame's latest visibility, two colours if the row is of a hard filter. */
 shb_result report_picture_visibility(const char *directory, const report_row *row,
-                                     const measure_frame *frame, bool soft);
+                                     const measure_frame *frame);
 
 #endif

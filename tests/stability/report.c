@@ -1,6 +1,6 @@
 #include "report.h"
 
-#include "methods.h"
+#include "method_list.h"
 
 static const char *format_name(shb_format format) {
     return format == SHB_FORMAT_UNORM24   ? "unorm24"
@@ -24,21 +24,43 @@ static void print_row(FILE *stream, const stability_row *row) {
     print_rates(stream, row->method, row->setting, &row->rates);
 }
 
+/* What becomes of a method's mean over all cases. */
+typedef void print_mean(FILE *stream, const char *method, stability_setting setting,
+                        const stability_rates *mean, const stability_row *worst);
+
+/* Every mean that there are rows of. */
+static void print_each_mean(FILE *stream, const stability_rows *rows, print_mean *print) {
+    listed_method method;
+    for (size_t i = 0; method_list_at(i, &method); i++)
+        for (stability_setting s = STABILITY_DEFAULT; s < STABILITY_SETTINGS; s++) {
+            const stability_row *worst;
+            const stability_rates mean = stability_rows_mean(rows, method.name, s, &worst);
+            if (worst)
+                print(stream, method.name, s, &mean, worst);
+        }
+}
+
+static void print_tsv_mean(FILE *stream, const char *method, stability_setting setting,
+                           const stability_rates *mean, const stability_row *worst) {
+    (void)worst;
+    fprintf(stream, "ALL\tALL\t-\t-\t");
+    print_rates(stream, method, setting, mean);
+}
+
 void stability_print_tsv(FILE *stream, const stability_rows *rows) {
     fprintf(stream, "case\tgroup\tformat\tmap_size\tmethod\tsetting\tlit\tshadowed\tfs_far_ppm\t"
                     "fl_far_ppm\tfs_near_ppm\tfl_near_ppm\twrong_ppm\n");
     for (size_t i = 0; i < rows->count; i++)
         print_row(stream, &rows->rows[i]);
-    stability_method method;
-    for (size_t i = 0; stability_method_at(i, &method); i++)
-        for (stability_setting s = STABILITY_DEFAULT; s < STABILITY_SETTINGS; s++) {
-            const stability_row *worst;
-            const stability_rates mean = stability_rows_mean(rows, method.name, s, &worst);
-            if (!worst)
-                continue;
-            fprintf(stream, "ALL\tALL\t-\t-\t");
-            print_rates(stream, method.name, s, &mean);
-        }
+    print_each_mean(stream, rows, print_tsv_mean);
+}
+
+static void print_readable_mean(FILE *stream, const char *method, stability_setting setting,
+                                const stability_rates *mean, const stability_row *worst) {
+    fprintf(stream, "%-16s %-8s %10.1f %10.1f %10.1f %10.1f %10.1f  %s %.0f\n", method,
+            stability_setting_name(setting), mean->false_shadow_far, mean->false_light_far,
+            mean->false_shadow_near, mean->false_light_near, mean->wrong, worst->subject->name,
+            worst->rates.wrong);
 }
 
 void stability_print_means(FILE *stream, const stability_rows *rows) {
@@ -47,16 +69,5 @@ void stability_print_means(FILE *stream, const stability_rows *rows) {
             "false", "false", "false", "wrong", "worst case");
     fprintf(stream, "%-16s %-8s %10s %10s %10s %10s %10s\n", "", "", "shadow far", "light far",
             "shad. near", "light near", "in all");
-    stability_method method;
-    for (size_t i = 0; stability_method_at(i, &method); i++)
-        for (stability_setting s = STABILITY_DEFAULT; s < STABILITY_SETTINGS; s++) {
-            const stability_row *worst;
-            const stability_rates mean = stability_rows_mean(rows, method.name, s, &worst);
-            if (!worst)
-                continue;
-            fprintf(stream, "%-16s %-8s %10.1f %10.1f %10.1f %10.1f %10.1f  %s %.0f\n", method.name,
-                    stability_setting_name(s), mean.false_shadow_far, mean.false_light_far,
-                    mean.false_shadow_near, mean.false_light_near, mean.wrong, worst->subject->name,
-                    worst->rates.wrong);
-        }
+    print_each_mean(stream, rows, print_readable_mean);
 }

@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 
 static bool find_method(const char *name) {
-    stability_method method;
-    if (stability_method_named(name, &method))
+    listed_method method;
+    if (method_list_named(name, &method))
         return true;
     fprintf(stderr, "stability: --method: there is no \"%s\"\n", name);
     return false;

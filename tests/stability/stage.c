@@ -177,7 +177,7 @@ void stability_stage_close(stability_stage *stage) {
     *stage = (stability_stage){0};
 }
 
-shb_result stability_draw_map(const stability_stage *stage, const stability_method *method,
+shb_result stability_draw_map(const stability_stage *stage, const listed_method *method,
                               const shb_bias *bias, shb_map **map) {
     shb_map *drawn = NULL;
     shb_map_desc desc = stage->map;

@@ -4,7 +4,7 @@
 
 #include "cases.h"
 #include "measure.h"
-#include "methods.h"
+#include "method_list.h"
 
 /* Fragments that meet the light at a smaller cosine do not count, in all cases. */
 #define STABILITY_MIN_COSINE 0.02
@@ -25,7 +25,7 @@ shb_result stability_stage_open(shb_context *context, const stability_case *c, u
 void stability_stage_close(stability_stage *stage);
 
 /* A map of the stage's light, drawn for a method with these parameters; the caller destroys it. */
-shb_result stability_draw_map(const stability_stage *stage, const stability_method *method,
+shb_result stability_draw_map(const stability_stage *stage, const listed_method *method,
                               const shb_bias *bias, shb_map **map);
 
 /* The errors of a method that asks a map drawn for it. */

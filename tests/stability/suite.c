@@ -25,7 +25,7 @@ static bool add_row(stability_rows *rows, const stability_case *c, const char *m
 
 /* Both settings of a method. */
 static shb_result run_method(stability_stage *stage, const stability_case *c,
-                             const stability_method *method, stability_rows *rows) {
+                             const listed_method *method, stability_rows *rows) {
     shb_errors errors;
     shb_result result = stability_measure(stage, method, &errors);
     if (!result && !add_row(rows, c, method->name, STABILITY_DEFAULT, &errors))
@@ -43,8 +43,8 @@ static bool run_case(shb_context *context, const stability_options *options,
     stability_stage stage;
     bool done = tool_succeeds("stability", c->name,
                               stability_stage_open(context, c, width, height, &stage));
-    stability_method method;
-    for (size_t i = 0; done && stability_method_at(i, &method); i++)
+    listed_method method;
+    for (size_t i = 0; done && method_list_at(i, &method); i++)
         if (stability_wants_method(options, method.name))
             done = tool_succeeds("stability", method.name, run_method(&stage, c, &method, rows));
     stability_stage_close(&stage);

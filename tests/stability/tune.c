@@ -20,7 +20,7 @@ static uint64_t wrong(const shb_errors *errors) {
            errors->boundary_light;
 }
 
-shb_result stability_measure(stability_stage *stage, const stability_method *method,
+shb_result stability_measure(stability_stage *stage, const listed_method *method,
                              shb_errors *errors) {
     shb_map *map = NULL;
     const shb_bias bias = method->method->make();
@@ -61,8 +61,7 @@ static void run_search(search *s) {
     }
 }
 
-shb_result stability_tune(stability_stage *stage, const stability_method *method,
-                          shb_errors *errors) {
+shb_result stability_tune(stability_stage *stage, const listed_method *method, shb_errors *errors) {
     search s = {.stage = stage, .best = method->method->make(), .errors = *errors};
     s.result = stability_draw_map(stage, method, &s.best, &s.map);
     if (!s.result)

@@ -1,4 +1,4 @@
-#include "methods.h"
+#include "method_list.h"
 
 #include <string.h>
 
@@ -12,16 +12,16 @@ static const struct {
     {"exact-lists", SHB_OCCLUDERS_LISTS},
 };
 
-bool stability_method_at(size_t index, stability_method *method) {
+bool method_list_at(size_t index, listed_method *method) {
     size_t count;
     const shb_bias_method *methods = shb_bias_methods(&count);
     for (size_t i = 0; i < count; i++) {
         const bool exact = methods[i].make().needs & SHB_NEEDS_OCCLUDERS;
         const size_t maps = exact ? sizeof exact_maps / sizeof *exact_maps : 1;
         if (index < maps) {
-            *method = exact ? (stability_method){exact_maps[index].name, &methods[i],
-                                                 exact_maps[index].occluders}
-                            : (stability_method){methods[i].name, &methods[i], SHB_OCCLUDERS_NONE};
+            *method = exact ? (listed_method){exact_maps[index].name, &methods[i],
+                                              exact_maps[index].occluders}
+                            : (listed_method){methods[i].name, &methods[i], SHB_OCCLUDERS_NONE};
             return true;
         }
         index -= maps;
@@ -29,9 +29,9 @@ bool stability_method_at(size_t index, stability_method *method) {
     return false;
 }
 
-bool stability_method_named(const char *name, stability_method *method) {
-    stability_method found;
-    for (size_t i = 0; stability_method_at(i, &found); i++)
+bool method_list_named(const char *name, listed_method *method) {
+    listed_method found;
+    for (size_t i = 0; method_list_at(i, &found); i++)
         if (strcmp(found.name, name) == 0) {
             *method = found;
             return true;
