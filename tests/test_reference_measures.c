@@ -25,6 +25,8 @@ TEST(errors_are_counted_by_truth_and_boundary) {
     CHECK_NEAR(errors.false_shadow_ppm, 2e6 / 7, 1e-6);
     CHECK_NEAR(errors.false_light_ppm, 1e6 / 7, 1e-6);
     CHECK_NEAR(errors.boundary_ppm, 5e6 / 14, 1e-6);
+    CHECK_INT(errors.wrong, 8);
+    CHECK_NEAR(errors.wrong_ppm, 8e6 / 14, 1e-6);
 }
 
 TEST(errors_of_nothing_are_zero) {

@@ -167,7 +167,8 @@ TEST(rates_are_per_million_of_the_fragments_they_are_about) {
                                .boundary_shadow = 1,
                                .boundary_light = 2,
                                .false_shadow_ppm = 5,
-                               .false_light_ppm = 6};
+                               .false_light_ppm = 6,
+                               .wrong_ppm = 250000};
     const stability_rates rates = stability_rates_of(&errors);
     CHECK_NEAR(rates.false_shadow_near, 250000, 0);
     CHECK_NEAR(rates.false_light_near, 250000, 0);

@@ -129,16 +129,13 @@ static shb_result judge(session *s, const report_method *method, report_row *row
         shb_errors_measure(frame->fragment_count, s->truth, frame->visibility, &errors);
     if (result)
         return result;
-    const uint64_t all = errors.lit + errors.shadowed;
-    const uint64_t wrong =
-        errors.false_shadow + errors.false_light + errors.boundary_shadow + errors.boundary_light;
     row->triangles = s->stage->scene->triangle_count;
-    row->fragments = all;
+    row->fragments = errors.lit + errors.shadowed;
     row->memory_bytes = shb_map_get_info(s->maps[method->occluders])->memory_bytes;
     row->false_shadow_ppm = errors.false_shadow_ppm;
     row->false_light_ppm = errors.false_light_ppm;
     row->boundary_ppm = errors.boundary_ppm;
-    row->wrong_ppm = all ? 1e6 * (double)wrong / (double)all : 0;
+    row->wrong_ppm = errors.wrong_ppm;
     row->rms = row->ssim = (double)NAN;
     return judge_detachment(s, method, row);
 }

@@ -69,6 +69,8 @@ typedef struct shb_errors {
     double false_shadow_ppm; /* false_shadow per million lit fragments; 0 if none is lit */
     double false_light_ppm;  /* false_light per million shadowed fragments */
     double boundary_ppm;     /* both boundary errors per million of all fragments */
+    uint64_t wrong;          /* all four errors */
+    double wrong_ppm;        /* the same per million of all fragments */
 } shb_errors;
 
 /* truth and visibility hold count elements in the same order; those whose truth is SHB_TRUTH_NONE

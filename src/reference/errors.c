@@ -28,10 +28,13 @@ shb_result shb_errors_measure(size_t count, const uint8_t *truth, const float *v
     shb_errors counted = {0};
     for (size_t i = 0; i < count; i++)
         count_fragment(&counted, truth[i], visibility[i]);
+    const uint64_t fragments = counted.lit + counted.shadowed;
+    const uint64_t boundary = counted.boundary_shadow + counted.boundary_light;
     counted.false_shadow_ppm = per_million(counted.false_shadow, counted.lit);
     counted.false_light_ppm = per_million(counted.false_light, counted.shadowed);
-    counted.boundary_ppm = per_million(counted.boundary_shadow + counted.boundary_light,
-                                       counted.lit + counted.shadowed);
+    counted.boundary_ppm = per_million(boundary, fragments);
+    counted.wrong = counted.false_shadow + counted.false_light + boundary;
+    counted.wrong_ppm = per_million(counted.wrong, fragments);
     *errors = counted;
     return SHB_OK;
 }

@@ -26,8 +26,6 @@ static double per_million(uint64_t part, uint64_t all) {
 }
 
 stability_rates stability_rates_of(const shb_errors *errors) {
-    const uint64_t wrong = errors->false_shadow + errors->false_light + errors->boundary_shadow +
-                           errors->boundary_light;
     return (stability_rates){
         .lit = errors->lit,
         .shadowed = errors->shadowed,
@@ -35,7 +33,7 @@ stability_rates stability_rates_of(const shb_errors *errors) {
         .false_light_far = errors->false_light_ppm,
         .false_shadow_near = per_million(errors->boundary_shadow, errors->lit),
         .false_light_near = per_million(errors->boundary_light, errors->shadowed),
-        .wrong = per_million(wrong, errors->lit + errors->shadowed),
+        .wrong = errors->wrong_ppm,
     };
 }
 

@@ -15,11 +15,6 @@ typedef struct search {
     shb_result result;
 } search;
 
-static uint64_t wrong(const shb_errors *errors) {
-    return errors->false_shadow + errors->false_light + errors->boundary_shadow +
-           errors->boundary_light;
-}
-
 shb_result stability_measure(stability_stage *stage, const listed_method *method,
                              shb_errors *errors) {
     shb_map *map = NULL;
@@ -40,7 +35,7 @@ static void try_value(search *s, float value) {
         s->result = shb_map_draw(s->map, &s->stage->scene->scene, &bias, NULL);
     if (!s->result)
         s->result = stability_judge(s->stage, s->map, &bias, &errors);
-    if (s->result || wrong(&errors) >= wrong(&s->errors))
+    if (s->result || errors.wrong >= s->errors.wrong)
         return;
     s->best = bias;
     s->errors = errors;

@@ -106,8 +106,7 @@ static double wrong_ppm(const measure_truth *truth, size_t count, const float *v
     shb_errors e;
     if (shb_errors_measure(count, truth->fragments, visibility, &e) || e.lit + e.shadowed == 0)
         return -1;
-    return 1e6 * (double)(e.false_shadow + e.false_light + e.boundary_shadow + e.boundary_light) /
-           (double)(e.lit + e.shadowed);
+    return e.wrong_ppm;
 }
 
 typedef struct own_method {
