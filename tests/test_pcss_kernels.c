@@ -1,6 +1,7 @@
 /* Soft shadows have the same bits on every instruction set, with and without a pyramid. */
 #include "../src/pyramid.h"
 
+#include "depth_map.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "test.h"
@@ -11,12 +12,6 @@
 
 enum { WIDTH = 96, HEIGHT = 80, POINTS = 700 };
 
-typedef struct lit_map {
-    shb_context *context;
-    shb_map *map;
-    float *texels;
-} lit_map;
-
 /* A tilted floor with plates above it, and noise in one corner. */
 static double depth_at(test_random *random, int x, int y) {
     const bool plate = (x / 20 + y / 16) % 3 == 0;
@@ -25,37 +20,13 @@ static double depth_at(test_random *random, int x, int y) {
     return (plate ? 0.2 : 0.5) + x * 0.002 - y * 0.001;
 }
 
-static lit_map new_map(shb_isa isa, bool spot, bool reversed, shb_format format) {
-    lit_map made = {0};
-    const shb_context_desc desc = {.max_isa = isa, .threads = 1};
-    CHECK_INT(shb_context_create(&desc, &made.context), SHB_OK);
-    shb_map_desc map = {.width = WIDTH, .height = HEIGHT, .format = format, .scene_scale = 3};
-    const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
-    if (spot)
-        CHECK_INT(shb_view_fit_spot((shb_vec3){3, 4, 2}, box, WIDTH, reversed, &map.view), SHB_OK);
-    else
-        CHECK_INT(shb_view_fit_directional((shb_vec3){3, 4, 2}, box, WIDTH, reversed, &map.view),
-                  SHB_OK);
-    made.texels = malloc(WIDTH * HEIGHT * sizeof *made.texels);
+static depth_map new_map(shb_isa isa, bool spot, bool reversed, shb_format format) {
+    static float depths[WIDTH * HEIGHT];
+    const shb_map_desc desc = {.width = WIDTH, .height = HEIGHT, .format = format};
     test_random random = {7};
-    for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        const double standard = depth_at(&random, i % WIDTH, i / WIDTH);
-        const double depth = reversed ? 1 - standard : standard;
-        if (format == SHB_FORMAT_FLOAT32)
-            made.texels[i] = (float)depth;
-        else if (format == SHB_FORMAT_UNORM24)
-            ((uint32_t *)(void *)made.texels)[i] = (uint32_t)(depth * 0xffffff);
-        else
-            ((uint16_t *)(void *)made.texels)[i] = (uint16_t)(depth * 0xffff);
-    }
-    CHECK_INT(shb_map_wrap(made.context, &map, made.texels, 0, NULL, &made.map), SHB_OK);
-    return made;
-}
-
-static void destroy_map(lit_map *made) {
-    shb_map_destroy(made->map);
-    shb_context_destroy(made->context);
-    free(made->texels);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        depths[i] = (float)depth_at(&random, i % WIDTH, i / WIDTH);
+    return depth_map_open_lit(isa, spot, reversed, desc, depths);
 }
 
 typedef struct points {
@@ -82,7 +53,7 @@ static points *new_points(void) {
     return made;
 }
 
-static void ask(const lit_map *asked, const points *given, size_t count, const shb_filter *filter,
+static void ask(const depth_map *asked, const points *given, size_t count, const shb_filter *filter,
                 float *visibility) {
     const shb_bias bias = shb_bias_adaptive(1e-3f, 0);
     const shb_points list = {
@@ -99,21 +70,21 @@ static void check_kernels(bool spot, bool reversed, shb_format format, const shb
     static const shb_isa vectors[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SHB_ISA_NEON};
     float expected[POINTS], actual[POINTS];
     points *given = new_points();
-    lit_map scalar = new_map(SHB_ISA_SCALAR, spot, reversed, format);
+    depth_map scalar = new_map(SHB_ISA_SCALAR, spot, reversed, format);
     ask(&scalar, given, count, filter, expected);
     CHECK_INT(shb_map_prepare(scalar.map, filter), SHB_OK);
     ask(&scalar, given, count, filter, actual);
     CHECK(same(expected, actual, count));
     for (int i = 0; i < 4; i++) {
-        lit_map other = new_map(vectors[i], spot, reversed, format);
+        depth_map other = new_map(vectors[i], spot, reversed, format);
         ask(&other, given, count, filter, actual);
         CHECK(same(expected, actual, count));
         CHECK_INT(shb_map_prepare(other.map, filter), SHB_OK);
         ask(&other, given, count, filter, actual);
         CHECK(same(expected, actual, count));
-        destroy_map(&other);
+        depth_map_close(&other);
     }
-    destroy_map(&scalar);
+    depth_map_close(&scalar);
     free(given);
 }
 
@@ -146,9 +117,10 @@ TEST(pcss_misses_no_blocker_by_the_pyramid) {
     for (int i = 0; i < 3 * POINTS; i++)
         given->normals[i] = (float)(i % 3 == 1);
     for (int round = 0; round < 60; round++) {
-        lit_map asked = new_map(SHB_ISA_BEST, false, false, SHB_FORMAT_FLOAT32);
+        depth_map asked = new_map(SHB_ISA_BEST, false, false, SHB_FORMAT_FLOAT32);
+        float *const texels = asked.texels;
         for (int i = 0; i < WIDTH * HEIGHT; i++)
-            asked.texels[i] = random_below(&random, 400) ? 1 : 0.1f;
+            texels[i] = random_below(&random, 400) ? 1 : 0.1f;
         const shb_filter filter =
             shb_filter_pcss((float)random_double(&random, 0, 0.5), 0, 0, SHB_TAPS_PLANE);
         float expected[POINTS], actual[POINTS];
@@ -156,7 +128,7 @@ TEST(pcss_misses_no_blocker_by_the_pyramid) {
         CHECK_INT(shb_map_prepare(asked.map, &filter), SHB_OK);
         ask(&asked, given, POINTS, &filter, actual);
         CHECK(same(expected, actual, POINTS));
-        destroy_map(&asked);
+        depth_map_close(&asked);
     }
     free(given);
 }
@@ -170,17 +142,18 @@ static void ask_with_other_pyramid(const shb_filter_args *args) {
     pcss.filter(&changed);
 }
 
-static shb_pyramid *pyramid_of_constant(lit_map *asked, float depth) {
+static shb_pyramid *pyramid_of_constant(depth_map *asked, float depth) {
     size_t bytes;
+    float *const texels = asked->texels;
     for (int i = 0; i < WIDTH * HEIGHT; i++)
-        asked->texels[i] = depth;
+        texels[i] = depth;
     return shb_pyramid_create(asked->map, &bytes);
 }
 
 /* The map itself is a plate over everything, or nothing. */
 TEST(pcss_answers_what_is_plain_by_the_pyramid) {
     for (int isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa++) {
-        lit_map asked = new_map((shb_isa)isa, false, false, SHB_FORMAT_FLOAT32);
+        depth_map asked = new_map((shb_isa)isa, false, false, SHB_FORMAT_FLOAT32);
         shb_pyramid *empty = pyramid_of_constant(&asked, 1);
         shb_pyramid *covered = pyramid_of_constant(&asked, 0.1f);
         points *given = new_points();
@@ -195,14 +168,15 @@ TEST(pcss_answers_what_is_plain_by_the_pyramid) {
         ask(&asked, given, 100, &lit, visibility);
         for (int i = 0; i < 100; i++)
             CHECK(visibility[i] == 1);
+        float *const texels = asked.texels;
         for (int i = 0; i < WIDTH * HEIGHT; i++)
-            asked.texels[i] = 1;
+            texels[i] = 1;
         ask(&asked, given, 100, &dark, visibility);
         for (int i = 0; i < 100; i++)
             CHECK(visibility[i] == 0);
         shb_pyramid_destroy(asked.map, empty);
         shb_pyramid_destroy(asked.map, covered);
         free(given);
-        destroy_map(&asked);
+        depth_map_close(&asked);
     }
 }

@@ -1,6 +1,7 @@
 /* Every instruction set has to shade with the very bits of the scalar kernels. */
 #include "../src/context.h"
 
+#include "depth_map.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "test.h"
@@ -11,43 +12,14 @@
 
 enum { MAP = 64 };
 
-typedef struct lit_map {
-    shb_context *context;
-    shb_map *map;
-    float *texels;
-} lit_map;
-
 /* A map of random depths, of which some are empty, seen by a directional or a spot light. */
-static lit_map new_map(shb_isa isa, bool spot, bool reversed, shb_format format) {
-    lit_map made = {0};
-    const shb_context_desc desc = {.max_isa = isa, .threads = 1};
-    CHECK_INT(shb_context_create(&desc, &made.context), SHB_OK);
-    shb_map_desc map = {.width = MAP, .height = MAP, .format = format, .scene_scale = 3};
-    const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
-    if (spot)
-        CHECK_INT(shb_view_fit_spot((shb_vec3){3, 4, 2}, box, MAP, reversed, &map.view), SHB_OK);
-    else
-        CHECK_INT(shb_view_fit_directional((shb_vec3){3, 4, 2}, box, MAP, reversed, &map.view),
-                  SHB_OK);
-    made.texels = malloc(MAP * MAP * sizeof *made.texels);
+static depth_map new_map(shb_isa isa, bool spot, bool reversed, shb_format format) {
+    static float depths[MAP * MAP];
+    const shb_map_desc desc = {.width = MAP, .height = MAP, .format = format};
     test_random random = {7};
-    for (int i = 0; i < MAP * MAP; i++) {
-        const double depth = random_double(&random, 0, 1);
-        if (format == SHB_FORMAT_FLOAT32)
-            made.texels[i] = (float)depth;
-        else if (format == SHB_FORMAT_UNORM24)
-            ((uint32_t *)(void *)made.texels)[i] = (uint32_t)(depth * 0xffffff);
-        else
-            ((uint16_t *)(void *)made.texels)[i] = (uint16_t)(depth * 0xffff);
-    }
-    CHECK_INT(shb_map_wrap(made.context, &map, made.texels, 0, NULL, &made.map), SHB_OK);
-    return made;
-}
-
-static void destroy_map(lit_map *made) {
-    shb_map_destroy(made->map);
-    shb_context_destroy(made->context);
-    free(made->texels);
+    for (int i = 0; i < MAP * MAP; i++)
+        depths[i] = (float)random_double(&random, 0, 1);
+    return depth_map_open_lit(isa, spot, reversed, desc, depths);
 }
 
 /* Mostly a number of the scene; else one that no scene should hold. */
@@ -98,7 +70,7 @@ static void keep_batch(const shb_filter_args *args) {
     shb_filter_hard().filter(args);
 }
 
-static outcome *ask(const lit_map *asked, const points *given, size_t count, shb_bias bias) {
+static outcome *ask(const depth_map *asked, const points *given, size_t count, shb_bias bias) {
     outcome *made = calloc(1, sizeof *made);
     bias.needs |= all_needs;
     const shb_filter filter = {.filter = keep_batch, .user = &made};
@@ -145,13 +117,13 @@ static const shb_isa vectors[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SH
 enum { VECTORS = sizeof vectors / sizeof *vectors };
 
 static void check_methods(bool spot, bool reversed, shb_format format, size_t count) {
-    lit_map scalar = new_map(SHB_ISA_SCALAR, spot, reversed, format);
+    depth_map scalar = new_map(SHB_ISA_SCALAR, spot, reversed, format);
     const shb_light_source light = shb_map_get_info(scalar.map)->light;
     points *given = new_points(light.position, count + spot);
     size_t method_count;
     const shb_bias_method *methods = shb_bias_methods(&method_count);
     for (size_t v = 0; v < VECTORS; v++) {
-        lit_map other = new_map(vectors[v], spot, reversed, format);
+        depth_map other = new_map(vectors[v], spot, reversed, format);
         for (size_t m = 0; m < method_count; m++) {
             const shb_bias bias = methods[m].make();
             if (bias.combine || bias.needs & (SHB_NEEDS_FLIPPED | SHB_NEEDS_OCCLUDERS))
@@ -162,10 +134,10 @@ static void check_methods(bool spot, bool reversed, shb_format format, size_t co
             free(expected);
             free(actual);
         }
-        destroy_map(&other);
+        depth_map_close(&other);
     }
     free(given);
-    destroy_map(&scalar);
+    depth_map_close(&scalar);
 }
 
 TEST(shade_kernels_give_scalar_bits_for_every_method) {
@@ -188,10 +160,10 @@ TEST(shade_kernels_give_scalar_bits_for_every_count) {
 }
 
 TEST(shade_kernels_constant_units_give_scalar_bits) {
-    lit_map scalar = new_map(SHB_ISA_SCALAR, true, false, SHB_FORMAT_FLOAT32);
+    depth_map scalar = new_map(SHB_ISA_SCALAR, true, false, SHB_FORMAT_FLOAT32);
     points *given = new_points((shb_vec3){1, 2, 3}, 5);
     for (size_t v = 0; v < VECTORS; v++) {
-        lit_map other = new_map(vectors[v], true, false, SHB_FORMAT_FLOAT32);
+        depth_map other = new_map(vectors[v], true, false, SHB_FORMAT_FLOAT32);
         for (int unit = SHB_UNIT_DEPTH; unit <= SHB_UNIT_WORLD; unit++) {
             const shb_bias bias = shb_bias_constant(0.7f, (shb_unit)unit);
             outcome *expected = ask(&scalar, given, POINTS, bias);
@@ -200,10 +172,10 @@ TEST(shade_kernels_constant_units_give_scalar_bits) {
             free(expected);
             free(actual);
         }
-        destroy_map(&other);
+        depth_map_close(&other);
     }
     free(given);
-    destroy_map(&scalar);
+    depth_map_close(&scalar);
 }
 
 /* Texels of the map and two around it. */
@@ -244,7 +216,7 @@ TEST(shade_kernels_fetch_far_depth_outside_the_map) {
 }
 
 TEST(shade_kernels_a_stage_called_by_a_host_writes_the_same) {
-    lit_map asked = new_map(SHB_ISA_BEST, false, false, SHB_FORMAT_FLOAT32);
+    depth_map asked = new_map(SHB_ISA_BEST, false, false, SHB_FORMAT_FLOAT32);
     points *given = new_points((shb_vec3){1, 2, 3}, 6);
     const shb_bias bias = shb_bias_adaptive_soft(1e-3f, 0, 50);
     outcome *made = ask(&asked, given, SHB_BATCH, bias);
@@ -258,7 +230,7 @@ TEST(shade_kernels_a_stage_called_by_a_host_writes_the_same) {
     CHECK(same_receivers(&again, &made->receivers[0], SHB_BATCH));
     free(made);
     free(given);
-    destroy_map(&asked);
+    depth_map_close(&asked);
 }
 
 enum { WIDTH = 301, HEIGHT = 75, TRIANGLES = 700 };
@@ -340,8 +312,8 @@ static void keep_and_light(const shb_shade_args *args) {
 
 static frame_outcome *shade_frame(const frame_case *f, shb_isa isa, uint32_t threads) {
     frame_outcome *made = calloc(1, sizeof *made);
-    lit_map sun = new_map(isa, false, false, SHB_FORMAT_FLOAT32);
-    lit_map spot = new_map(isa, true, true, SHB_FORMAT_UNORM16);
+    depth_map sun = new_map(isa, false, false, SHB_FORMAT_FLOAT32);
+    depth_map spot = new_map(isa, true, true, SHB_FORMAT_UNORM16);
     const shb_bias adaptive = shb_bias_adaptive(1e-4f, 0), offset = shb_bias_normal_offset(1.5f, 0);
     const shb_shade_light lights[2] = {
         {.map = sun.map, .bias = &adaptive, .color = {1, 0.5f, 2}},
@@ -359,8 +331,8 @@ static frame_outcome *shade_frame(const frame_case *f, shb_isa isa, uint32_t thr
         .image = {.pixels = made->pixels, .width = WIDTH, .height = HEIGHT}};
     CHECK_INT(shb_shade(context, &shade), SHB_OK);
     shb_context_destroy(context);
-    destroy_map(&sun);
-    destroy_map(&spot);
+    depth_map_close(&sun);
+    depth_map_close(&spot);
     return made;
 }
 

@@ -24,6 +24,18 @@ depth_map depth_map_open(const shb_context_desc *context, const shb_map_desc *de
     return opened;
 }
 
+depth_map depth_map_open_lit(shb_isa isa, bool spot, bool reversed, shb_map_desc desc,
+                             const float *depths) {
+    const shb_context_desc context = {.max_isa = isa, .threads = 1};
+    const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
+    const shb_vec3 light = {3, 4, 2};
+    desc.scene_scale = 3;
+    CHECK_INT(spot ? shb_view_fit_spot(light, box, desc.width, reversed, &desc.view)
+                   : shb_view_fit_directional(light, box, desc.width, reversed, &desc.view),
+              SHB_OK);
+    return depth_map_open(&context, &desc, depths);
+}
+
 void depth_map_close(depth_map *opened) {
     shb_map_destroy(opened->map);
     shb_context_destroy(opened->context);

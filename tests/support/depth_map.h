@@ -14,6 +14,12 @@ typedef struct depth_map {
  * They are rounded to the format, away from the light. */
 depth_map depth_map_open(const shb_context_desc *context, const shb_map_desc *desc,
                          const float *depths);
+
+/* The same seen by a spot or a directional light over the box from -1 to 1, of scale 3, for one
+ * thread of an instruction set; desc names size and format. */
+depth_map depth_map_open_lit(shb_isa isa, bool spot, bool reversed, shb_map_desc desc,
+                             const float *depths);
+
 void depth_map_close(depth_map *opened);
 
 /* Prepares the filter, which must succeed. */
