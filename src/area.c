@@ -8,6 +8,7 @@
 
 #include "area_light.h"
 #include "vector.h"
+#include "visibility.h"
 
 /* Points that one task asks about. */
 enum { POINTS = 4096 };
@@ -175,15 +176,9 @@ static shb_result ask_samples(shb_context *context, query *q, float *visibility)
 
 static shb_result check_points(const shb_context *context, const shb_points *points,
                                const float *visibility) {
-    if (points->count && (!points->positions || !visibility))
-        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_area_visibility: %s is NULL",
-                        visibility ? "points.positions" : "visibility");
-    if (points->position_stride % 4 || points->normal_stride % 4)
-        return shb_fail(context, SHB_ERROR_ARGUMENT,
-                        "shb_area_visibility: points.position_stride %zu or points.normal_stride "
-                        "%zu is not a multiple of 4",
-                        points->position_stride, points->normal_stride);
-    return SHB_OK;
+    if (points->count && !visibility)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_area_visibility: visibility is NULL");
+    return shb_points_check(context, "shb_area_visibility", points);
 }
 
 static shb_result check_view(const shb_context *context, const shb_area_desc *desc,

@@ -139,22 +139,26 @@ static void load(const shb_shade_kernels *kernels, const float *base, size_t str
     }
 }
 
-static shb_result check_points(const shb_map *map, const shb_points *points,
-                               const float *visibility) {
-    const shb_context *context = map->context;
-    if (!points || !visibility)
-        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_map_visibility: %s is NULL",
-                        points ? "visibility" : "points");
+shb_result shb_points_check(const shb_context *context, const char *caller,
+                            const shb_points *points) {
     if (points->count && !points->positions)
         return shb_fail(context, SHB_ERROR_ARGUMENT,
-                        "shb_map_visibility: points.positions is NULL and points.count is %zu",
+                        "%s: points.positions is NULL and points.count is %zu", caller,
                         points->count);
     if (points->position_stride % 4 || points->normal_stride % 4)
         return shb_fail(context, SHB_ERROR_ARGUMENT,
-                        "shb_map_visibility: points.position_stride %zu or points.normal_stride "
-                        "%zu is not a multiple of 4",
-                        points->position_stride, points->normal_stride);
+                        "%s: points.position_stride %zu or points.normal_stride %zu is not a "
+                        "multiple of 4",
+                        caller, points->position_stride, points->normal_stride);
     return SHB_OK;
+}
+
+static shb_result check_points(const shb_map *map, const shb_points *points,
+                               const float *visibility) {
+    if (!points || !visibility)
+        return shb_fail(map->context, SHB_ERROR_ARGUMENT, "shb_map_visibility: %s is NULL",
+                        points ? "visibility" : "points");
+    return shb_points_check(map->context, "shb_map_visibility", points);
 }
 
 shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,

@@ -9,6 +9,10 @@
 shb_result shb_visibility_check(const shb_map *map, const char *caller, const shb_bias *bias,
                                 const shb_filter *filter, bool has_normals);
 
+/* Checks positions and strides of a host's points, in the name of caller. */
+shb_result shb_points_check(const shb_context *context, const char *caller,
+                            const shb_points *points);
+
 /* One batch that passed the check. receivers holds positions and, if the method needs them, normals
  * of either side, up to the count rounded up to whole vectors; the rest of it is written here. */
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
