@@ -211,6 +211,18 @@ static void ask(const asked_map *made, const float *positions, const float *norm
     CHECK_INT(shb_map_visibility(made->map, &points, bias, filter, visibility), SHB_OK);
 }
 
+/* Infinite if there is one that is no number. */
+static double largest_difference(const float *a, const float *b, size_t count) {
+    double largest = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double difference = fabs((double)a[i] - (double)b[i]);
+        if (isnan(difference))
+            return HUGE_VAL;
+        largest = difference > largest ? difference : largest;
+    }
+    return largest;
+}
+
 /* All maps hold the same; they have to give the same bits, and what the slow way gives. */
 static void check_filter(const asked_map *maps, int map_count, const shb_filter *filter,
                          shb_filter_fn *slow, double tolerance) {
@@ -226,9 +238,7 @@ static void check_filter(const asked_map *maps, int map_count, const shb_filter 
         const size_t count = b == 1 ? POINTS : POINTS / 2 + 3;
         ask(&maps[0], positions, normals, count, &biases[b], &slowly, expected);
         ask(&maps[0], positions, normals, count, &biases[b], filter, first);
-        double worst = 0;
-        for (size_t i = 0; i < count; i++)
-            worst = fmax(worst, fabs((double)first[i] - (double)expected[i]));
+        const double worst = largest_difference(first, expected, count);
         test_check(worst <= tolerance, __FILE__, __LINE__, "%s %g %g %g by bias %d: off by %g",
                    filter->name, (double)filter->params[0], (double)filter->params[1],
                    (double)filter->params[2], b, worst);
