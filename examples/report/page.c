@@ -5,6 +5,7 @@
 #include "page_images.h"
 #include "page_table.h"
 #include "scatter.h"
+#include "study.h"
 #include "verdict.h"
 
 #include <stdio.h>
@@ -110,6 +111,10 @@ static void write_images(FILE *stream, const report_page *page) {
     report_page_images(stream, page->rows, page->pictures);
 }
 
+static void write_more(FILE *stream, const report_page *page) {
+    report_studies_write(stream, page->directory);
+}
+
 static void write_settings(FILE *stream, const report_page *page) {
     fprintf(stream,
             "<p>%zu rows of %zu pairs of scene and light. %s; %s. Times are medians of runs in "
@@ -127,7 +132,7 @@ static const struct {
     {"<!--verdict-->", write_verdict},   {"<!--scenes-->", write_scenes},
     {"<!--legend-->", write_legend},     {"<!--charts-->", write_charts},
     {"<!--table-->", write_table},       {"<!--images-->", write_images},
-    {"<!--settings-->", write_settings},
+    {"<!--settings-->", write_settings}, {"<!--more-->", write_more},
 };
 
 static void write_line(FILE *stream, const report_page *page, const char *line) {

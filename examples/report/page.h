@@ -7,6 +7,7 @@
 typedef struct report_page {
     const report_rows *rows; /* with their means */
     const char *pictures;    /* directory of the PNG files */
+    const char *directory;   /* of the report, where the sections of studies are */
     const char *settings;
     const char *machine;
 } report_page;

@@ -2,7 +2,7 @@
 
 const byId = (id) => document.getElementById(id);
 const images = JSON.parse(byId("images").textContent);
-const rows = [...document.querySelectorAll("tbody tr")];
+const rows = [...document.querySelectorAll("#table tbody tr")];
 const state = { scene: "all", light: "all", kind: "hard", name: "adaptive", size: "" };
 
 /* Pixels of a picture by its name; each is decoded once. */
@@ -204,7 +204,7 @@ function sortBy(header) {
     if (x === "" || y === "") return (x === "") - (y === "");
     return down ? y - x : x - y;
   });
-  document.querySelector("tbody").append(...rows);
+  document.querySelector("#table tbody").append(...rows);
 }
 
 /* A mark's name beside it, while the pointer or the focus is there. */
@@ -262,7 +262,7 @@ for (const chart of document.querySelectorAll(".chart")) {
   });
 }
 
-for (const header of document.querySelectorAll("thead th"))
+for (const header of document.querySelectorAll("#table thead th"))
   header.querySelector("button").onclick = () => sortBy(header);
 byId("scene").onchange = (event) => { state.scene = event.target.value; choose(); };
 byId("light").onchange = (event) => { state.light = event.target.value; choose(); };

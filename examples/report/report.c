@@ -2,6 +2,8 @@
 #include "arguments.h"
 #include "machine_name.h"
 #include "page.h"
+#include "study.h"
+#include "study_tuner.h"
 #include "summary.h"
 #include "survey.h"
 #include "tool.h"
@@ -11,6 +13,7 @@
 
 typedef struct report_command {
     report_options options;
+    const char *tuned; /* a scene for the tuner alone, or NULL */
     bool help;
 } report_command;
 
@@ -29,6 +32,12 @@ static bool read_command(int argc, char **argv, report_command *command) {
          &options->directory, 0, 0},
         {"--meshes", "DIR", "directory of further OBJ files; default ../shared/scenes",
          ARGUMENT_TEXT, &options->meshes, 0, 0},
+        {"--tune", "SCENE", "print the smallest constants of every method for one scene",
+         ARGUMENT_TEXT, &command->tuned, 0, 0},
+        {"--limit", "PPM", "of false shadow, for them; default 100", ARGUMENT_COUNT,
+         &options->limit_ppm, 0, 1000000},
+        {"--tune-map", "N", "size of the map that they are for; default 1024", ARGUMENT_COUNT,
+         &options->tuned_size, 8, 16384},
         {"--threads", "N", "threads; default: all", ARGUMENT_COUNT, &options->threads, 1, 256},
         {"--help", NULL, "this text", ARGUMENT_FLAG, &command->help, 0, 0},
     };
@@ -50,7 +59,7 @@ static bool write_page(const report_options *options, const char *settings, repo
     snprintf(path, sizeof path, "%s/index.html", options->directory);
     snprintf(pictures, sizeof pictures, "%s/pictures", options->directory);
     report_machine_name(machine, sizeof machine);
-    const report_page page = {rows, pictures, settings, machine};
+    const report_page page = {rows, pictures, options->directory, settings, machine};
     if (!tool_succeeds("report", "means", report_add_means(rows) ? SHB_OK : SHB_ERROR_MEMORY) ||
         !tool_succeeds("report", path, report_page_write(&page, path) ? SHB_OK : SHB_ERROR_FILE))
         return false;
@@ -69,7 +78,8 @@ static bool write_report(shb_context *context, const report_options *options) {
            report_survey(context, options, settings, path, &rows);
     if (done)
         printf("%zu rows: %s\n", rows.count, path);
-    done = done && write_page(options, settings, &rows);
+    done = done && report_studies_run(context, options, settings) &&
+           write_page(options, settings, &rows);
     report_rows_free(&rows);
     return done;
 }
@@ -86,15 +96,18 @@ static void make_directories(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    report_command command = {
-        .options = {.directory = "build/out/report", .meshes = "../shared/scenes"}};
+    report_command command = {.options = {.directory = "build/out/report",
+                                          .meshes = "../shared/scenes",
+                                          .limit_ppm = 100}};
     if (!read_command(argc, argv, &command))
         return TOOL_USAGE;
     if (command.help)
         return TOOL_OK;
     make_directories(command.options.directory);
     shb_context *context = tool_create_context("report", command.options.threads, SHB_ISA_BEST);
-    const bool done = context && write_report(context, &command.options);
+    const bool done =
+        context && (command.tuned ? report_tune(context, &command.options, command.tuned)
+                                  : write_report(context, &command.options));
     shb_context_destroy(context);
     return done ? TOOL_OK : TOOL_FAILED;
 }

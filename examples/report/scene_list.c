@@ -29,17 +29,21 @@ static bool is_taken(const report_scene_list *list, const report_scene *scene) {
     return false;
 }
 
-/* The file's name without directory and ending; a number behind it where that is taken. */
-static void name_scene(const report_scene_list *list, report_scene *scene) {
-    const char *slash = strrchr(scene->text, '/');
-    const char *base = slash ? slash + 1 : scene->text;
+void report_name_scene(const char *text, char *name, size_t size) {
+    const char *slash = strrchr(text, '/');
+    const char *base = slash ? slash + 1 : text;
     const size_t length = strlen(base);
     const bool is_file = length > 4 && strcmp(base + length - 4, ".obj") == 0;
-    char stem[48];
-    snprintf(stem, sizeof stem, "%.*s", (int)(is_file ? length - 4 : length), base);
-    for (char *c = stem; *c; c++)
+    snprintf(name, size, "%.*s", (int)(is_file ? length - 4 : length), base);
+    for (char *c = name; *c; c++)
         if (!isalnum((unsigned char)*c) && !strchr("-_.", *c))
             *c = '-';
+}
+
+/* A number stands behind a name that is taken. */
+static void name_scene(const report_scene_list *list, report_scene *scene) {
+    char stem[48];
+    report_name_scene(scene->text, stem, sizeof stem);
     snprintf(scene->name, sizeof scene->name, "%s", stem);
     for (unsigned number = 2; is_taken(list, scene); number++)
         snprintf(scene->name, sizeof scene->name, "%s-%u", stem, number);
@@ -94,6 +98,17 @@ report_scene_list report_list_scenes(const report_options *options) {
     if (!options->only) {
         add_built_in(&list, options->quick);
         add_meshes(&list, options->meshes, options->quick);
+    }
+    for (size_t i = 0; options->operands[i]; i++)
+        add_scene(&list, options->operands[i], true);
+    return list;
+}
+
+report_scene_list report_list_main_scenes(const report_options *options) {
+    report_scene_list list = {0};
+    if (!options->only) {
+        add_scene(&list, "columns", !options->quick);
+        add_scene(&list, "island", false);
     }
     for (size_t i = 0; options->operands[i]; i++)
         add_scene(&list, options->operands[i], true);

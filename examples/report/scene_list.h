@@ -19,6 +19,12 @@ typedef struct report_scene_list {
 /* Scenes in the order in which the report shows them. */
 report_scene_list report_list_scenes(const report_options *options);
 
+/* The few that studies look at more closely. */
+report_scene_list report_list_main_scenes(const report_options *options);
+
+/* A name for rows and files: without directory and ending, letters, digits, '-', '_' and '.'. */
+void report_name_scene(const char *text, char *name, size_t size);
+
 void report_scene_list_free(report_scene_list *list);
 
 #endif

@@ -43,6 +43,10 @@ void report_settings(const report_options *options, const shb_context *context, 
              (unsigned)shb_context_threads(context), shb_isa_name(shb_context_isa(context)));
 }
 
+const uint32_t *report_picture_size(const report_options *options) {
+    return scale_of(options)->size;
+}
+
 /* True if all rows of a group are there. */
 static bool is_complete(const survey *s, const report_group *group) {
     for (size_t i = 0; i < s->methods.count; i++) {

@@ -16,13 +16,18 @@ typedef struct report_options {
     uint32_t threads;                              /* 0: all */
     bool only;                                     /* the user's scenes and no others */
     bool quick;
-    bool keep; /* rows that are there already, of the same settings */
+    bool keep;           /* rows that are there already, of the same settings */
+    uint32_t limit_ppm;  /* of false shadow, for the tuner */
+    uint32_t tuned_size; /* of the map that the tuner is for; 0: 1024 */
 } report_options;
 
 /* The settings that rows must share to be compared: size of the picture, runs, threads,
  * instruction set. */
 void report_settings(const report_options *options, const shb_context *context, char *text,
                      size_t size);
+
+/* Width and height of the pictures, pixels. */
+const uint32_t *report_picture_size(const report_options *options);
 
 /* Measures everything that the options ask for and is not in rows, and appends it to the file as
  * soon as it is there. False, and a line on stderr, if something fails. */

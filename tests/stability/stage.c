@@ -191,14 +191,3 @@ shb_result stability_draw_map(const stability_stage *stage, const listed_method 
         *map = drawn;
     return result;
 }
-
-shb_result stability_judge(stability_stage *stage, const shb_map *map, const shb_bias *bias,
-                           shb_errors *errors) {
-    const measure_frame *frame = &stage->frame;
-    const shb_points points = {
-        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
-    const shb_result result = shb_map_visibility(map, &points, bias, NULL, frame->visibility);
-    return result
-               ? result
-               : shb_errors_measure(frame->fragment_count, stage->truth, frame->visibility, errors);
-}

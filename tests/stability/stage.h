@@ -28,8 +28,4 @@ void stability_stage_close(stability_stage *stage);
 shb_result stability_draw_map(const stability_stage *stage, const listed_method *method,
                               const shb_bias *bias, shb_map **map);
 
-/* The errors of a method that asks a map drawn for it. */
-shb_result stability_judge(stability_stage *stage, const shb_map *map, const shb_bias *bias,
-                           shb_errors *errors);
-
 #endif

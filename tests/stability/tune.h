@@ -8,9 +8,8 @@
 shb_result stability_measure(stability_stage *stage, const listed_method *method,
                              shb_errors *errors);
 
-/* Searches the first parameter of a method for the fewest wrong fragments, starting from
- * errors, those of the default: eight values by powers of eight about it, then between the best and
- * its neighbours. Never worse than it started. */
+/* The first parameter of a method for the fewest wrong fragments (tuning_fewest_wrong), starting
+ * from errors, those of the default. */
 shb_result stability_tune(stability_stage *stage, const listed_method *method, shb_errors *errors);
 
 #endif

@@ -1,0 +1,38 @@
+#include "overhead.h"
+
+#include <stdlib.h>
+
+#include "test.h"
+
+enum { WIDTH = 160, HEIGHT = 120 };
+
+void overhead_open(overhead *o, owned_mesh *mesh, uint32_t map_size) {
+    const scene_surface white = {.color = {1, 1, 1}};
+    *o = (overhead){.scene = calloc(1, sizeof *o->scene), .map = {.width = map_size}};
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 2}, &o->context), SHB_OK);
+    owned_mesh *kept = scene_add_mesh(o->scene);
+    *kept = *mesh;
+    *mesh = (owned_mesh){0};
+    o->scene->views[0] = owned_mesh_view(kept);
+    scene_add_instance(o->scene, kept, NULL, SHB_CULL_NONE, &white);
+    o->scene->scene.instances = o->scene->instances;
+    o->scene->triangle_count = shb_scene_triangle_count(&o->scene->scene);
+    CHECK_INT(shb_scene_bounds(&o->scene->scene, &o->scene->bounds), SHB_OK);
+    o->scene->camera.vertical_angle = 0.27;
+    scene_move_camera(o->scene, (shb_vec3){0.31, 7, 0.17}, (shb_vec3){0.013, 0, 0.007});
+    CHECK_INT(shb_view_orthographic((shb_vec3){0, 4, 0}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 0, -1},
+                                    1, 1, 2, 2 + OVERHEAD_RANGE, false, &o->map.view),
+              SHB_OK);
+    CHECK_INT(measure_frame_create(o->context, o->scene, WIDTH, HEIGHT, &o->frame), SHB_OK);
+}
+
+void overhead_close(overhead *o) {
+    measure_frame_destroy(&o->frame);
+    owned_mesh_free(&o->scene->meshes[0]);
+    free(o->scene);
+    shb_context_destroy(o->context);
+}
+
+double overhead_texel(const overhead *o) {
+    return 2.0 / o->map.width;
+}
