@@ -34,7 +34,8 @@ static void close_setting(setting *s) {
 
 static tuned_smallest smallest_of(const setting *s, shb_bias start, size_t count, double limit) {
     tuned_smallest found = {0};
-    CHECK_INT(tuning_smallest(&s->subject, &start, count, limit, &found), SHB_OK);
+    const tuning_goal goal = {count, 500, limit};
+    CHECK_INT(tuning_smallest(&s->subject, &start, &goal, &found), SHB_OK);
     return found;
 }
 

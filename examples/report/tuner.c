@@ -9,17 +9,19 @@
 
 typedef enum knob_unit { KNOB_NONE, KNOB_DEPTH, KNOB_TEXELS, KNOB_SCENE, KNOB_SLOPE } knob_unit;
 
-/* The parameters that are tuned: the first ones, which keep their proportion. */
+/* The parameters that are tuned: the first ones, which keep their proportion, up to a value of the
+ * first that is beyond all use. */
 static const struct {
     const char *method;
     size_t count;
-    knob_unit unit; /* of the first */
+    knob_unit unit;
+    double largest;
 } knobs[TUNER_METHODS] = {
-    {"constant", 1, KNOB_DEPTH},       {"slope", 1, KNOB_SLOPE},
-    {"angle", 2, KNOB_SCENE},          {"normal-offset", 1, KNOB_TEXELS},
-    {"receiver-plane", 1, KNOB_DEPTH}, {"texel-cone", 0, KNOB_NONE},
-    {"dual-layer", 1, KNOB_DEPTH},     {"adaptive", 1, KNOB_SCENE},
-    {"adaptive-soft", 1, KNOB_SCENE},
+    {"constant", 1, KNOB_DEPTH, 1},        {"slope", 1, KNOB_SLOPE, 64},
+    {"angle", 2, KNOB_SCENE, 0.1},         {"normal-offset", 1, KNOB_TEXELS, 16},
+    {"receiver-plane", 1, KNOB_DEPTH, 1},  {"texel-cone", 0, KNOB_NONE, 0},
+    {"dual-layer", 1, KNOB_DEPTH, 1},      {"adaptive", 1, KNOB_SCENE, 0.1},
+    {"adaptive-soft", 1, KNOB_SCENE, 0.1},
 };
 
 typedef struct tuner {
@@ -126,23 +128,30 @@ static void write_setting(const shb_bias_method *method, const shb_bias *bias, t
                            i == 0 ? ':' : ',', method->param_names[i], (double)bias->params[i]);
 }
 
+static shb_result search(const tuner *t, const tuning_subject *subject, size_t number,
+                         const shb_bias *start, tuner_row *row) {
+    const tuning_goal goal = {.count = knobs[number].count,
+                              .largest = knobs[number].largest / (double)start->params[0],
+                              .limit_ppm = t->limit_ppm};
+    return tuning_smallest(subject, start, &goal, &row->found);
+}
+
 /* The map is left as the row's last question drew it; what is measured after needs its own. */
 static shb_result tune(const tuner *t, size_t number, tuner_row *row) {
     const shb_bias_method *method = method_named(knobs[number].method);
     const tuning_subject subject = {&t->stage->frame, t->truth.fragments, t->map};
     const shb_bias start = method->make();
-    *row = (tuner_row){.method = method->name, .has_knob = knobs[number].count > 0};
+    *row = (tuner_row){.method = method->name,
+                       .has_knob = knobs[number].count > 0,
+                       .found = {.tuned = {.bias = start}}};
     shb_result result = shb_map_draw(t->map, &t->stage->scene->scene, &start, NULL);
     if (!result && row->has_knob)
-        result = tuning_smallest(&subject, &start, knobs[number].count, t->limit_ppm, &row->found);
-    if (!row->has_knob)
-        row->found.tuned.bias = start;
+        result = search(t, &subject, number, &start, row);
     if (!result)
         result = tuning_ask(&subject, &row->found.tuned);
     if (!result)
         result = detach(t, row);
-    if (!row->has_knob)
-        row->found.met = row->found.tuned.errors.false_shadow_ppm <= t->limit_ppm;
+    row->found.met = row->found.tuned.errors.false_shadow_ppm <= t->limit_ppm;
     write_setting(method, &row->found.tuned.bias, row);
     convert(&t->units, knobs[number].unit, (double)row->found.tuned.bias.params[0], row);
     return result;

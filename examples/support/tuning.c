@@ -5,8 +5,8 @@
 /* Steps of the search for the fewest errors between neighbours; each tries two values. */
 enum { REFINEMENTS = 4 };
 
-/* Powers of two between which the smallest value is sought, and steps between them. */
-enum { LOWEST = -20, HIGHEST = 16, STRIDE = 2 };
+/* Steps between the smallest and the largest factor that is tried, each fourfold. */
+enum { STEPS = 10 };
 
 shb_result tuning_ask(const tuning_subject *subject, tuned *tried) {
     measure_frame *frame = subject->frame;
@@ -57,29 +57,28 @@ shb_result tuning_fewest_wrong(const tuning_subject *subject, tuned *best) {
 typedef struct search {
     const tuning_subject *subject;
     const shb_bias *start;
-    size_t count;
-    double limit_ppm;
+    const tuning_goal *goal;
 } search;
 
 static shb_result try_factor(const search *s, double factor, tuned_smallest *tried) {
     *tried = (tuned_smallest){.tuned = {.bias = *s->start}, .factor = factor};
-    for (size_t i = 0; i < s->count; i++)
+    for (size_t i = 0; i < s->goal->count; i++)
         tried->tuned.bias.params[i] = (float)((double)s->start->params[i] * factor);
     const shb_result result = tuning_ask(s->subject, &tried->tuned);
-    tried->met = tried->tuned.errors.false_shadow_ppm <= s->limit_ppm;
+    tried->met = tried->tuned.errors.false_shadow_ppm <= s->goal->limit_ppm;
     return result;
 }
 
-/* 0, or the first power of two that meets the limit, and the one before that does not; if none
- * does, the one with the least false shadow. */
+/* 0, or the first step that meets the limit, and the one before that does not; if none does, the
+ * one with the least false shadow. */
 static shb_result bracket(const search *s, double *misses, tuned_smallest *found) {
     tuned_smallest tried;
     shb_result result = try_factor(s, 0, found);
     *misses = 0;
-    for (int power = LOWEST; power <= HIGHEST && !found->met && !result; power += STRIDE) {
-        result = try_factor(s, ldexp(1, power), &tried);
+    for (int step = 0; step <= STEPS && !found->met && !result; step++) {
+        result = try_factor(s, ldexp(s->goal->largest, 2 * (step - STEPS)), &tried);
         if (!result && tried.met)
-            *misses = power == LOWEST ? 0 : ldexp(1, power - STRIDE);
+            *misses = step == 0 ? 0 : tried.factor / 4;
         if (!result && (tried.met ||
                         tried.tuned.errors.false_shadow_ppm < found->tuned.errors.false_shadow_ppm))
             *found = tried;
@@ -87,9 +86,9 @@ static shb_result bracket(const search *s, double *misses, tuned_smallest *found
     return result;
 }
 
-shb_result tuning_smallest(const tuning_subject *subject, const shb_bias *start, size_t count,
-                           double limit_ppm, tuned_smallest *smallest) {
-    const search s = {subject, start, count, limit_ppm};
+shb_result tuning_smallest(const tuning_subject *subject, const shb_bias *start,
+                           const tuning_goal *goal, tuned_smallest *smallest) {
+    const search s = {subject, start, goal};
     double misses;
     tuned_smallest found, tried;
     shb_result result = bracket(&s, &misses, &found);

@@ -27,18 +27,24 @@ shb_result tuning_fewest_wrong(const tuning_subject *subject, tuned *best);
 /* By which part of itself the smallest value may be too large. */
 #define TUNING_TOLERANCE 0.01
 
+/* What the smallest value is sought of, and for. */
+typedef struct tuning_goal {
+    size_t count;     /* the method's first parameters are multiplied by one factor */
+    double largest;   /* factor */
+    double limit_ppm; /* of false shadow away from boundaries, per million lit fragments */
+} tuning_goal;
+
 typedef struct tuned_smallest {
     tuned tuned;
-    double factor; /* of the parameters that were tuned; 0, or 2^-20 .. 2^16 */
+    double factor; /* 0, or above 2^-20 of the largest */
     bool met;      /* false: none that was tried meets the limit; this is the nearest to it */
 } tuned_smallest;
 
-/* The smallest factor of a method's first count parameters with at most limit_ppm of false shadow
- * away from boundaries; some smaller one within the tolerance has more. Powers of four are tried
- * from below, then what lies between the first that meets the limit and the one before: where a
- * method's false shadow does not always fall as its parameter grows, there may be yet smaller ones
- * between two powers that miss it. */
-shb_result tuning_smallest(const tuning_subject *subject, const shb_bias *start, size_t count,
-                           double limit_ppm, tuned_smallest *smallest);
+/* The smallest factor that meets the goal; some smaller one within the tolerance does not. Steps of
+ * four are tried from below, then what lies between the first that meets the limit and the one
+ * before: where a method's false shadow does not always fall as its parameter grows, there may be
+ * yet smaller ones between two steps that miss it. */
+shb_result tuning_smallest(const tuning_subject *subject, const shb_bias *start,
+                           const tuning_goal *goal, tuned_smallest *smallest);
 
 #endif

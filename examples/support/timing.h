@@ -1,6 +1,6 @@
 /* Repeating work and timing it. */
-#ifndef BENCH_TIMING_H
-#define BENCH_TIMING_H
+#ifndef EXAMPLES_TIMING_H
+#define EXAMPLES_TIMING_H
 
 #include "shadowbias/base.h"
 

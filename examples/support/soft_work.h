@@ -1,6 +1,6 @@
 /* One soft shadow over one camera's view, asked by one method and one filter, again and again. */
-#ifndef BENCH_SOFT_WORK_H
-#define BENCH_SOFT_WORK_H
+#ifndef EXAMPLES_SOFT_WORK_H
+#define EXAMPLES_SOFT_WORK_H
 
 #include "measure.h"
 #include "timing.h"
@@ -30,11 +30,21 @@ void soft_work_destroy(soft_work *work);
 /* True if the filter serves the method. */
 bool soft_work_is_served(const char *bias, const char *filter);
 
-/* Drawing and preparing the map; visibility of all fragments; Lambert shading of the frame; map and
- * shading. */
+/* Drawing and preparing the map; the camera's view; visibility of all fragments; Lambert shading of
+ * the frame; map and shading. */
+bench_work soft_work_camera(soft_work *work);
 bench_work soft_work_map(soft_work *work);
 bench_work soft_work_visibility(soft_work *work);
 bench_work soft_work_shade(soft_work *work);
 bench_work soft_work_overall(soft_work *work);
+
+/* Medians, in seconds of the calling thread. */
+typedef struct soft_work_times {
+    double map, shade;
+} soft_work_times;
+
+/* Times of map and shading of two pieces of work by turns. */
+shb_result soft_work_compare(soft_work *first, soft_work *second, bench_plan plan,
+                             soft_work_times times[2]);
 
 #endif

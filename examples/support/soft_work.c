@@ -9,6 +9,17 @@ static shb_result run_map(void *state) {
     return result || work->unprepared ? result : shb_map_prepare(work->map, &work->filter);
 }
 
+static shb_result run_camera(void *state) {
+    soft_work *work = state;
+    const shb_frame *frame = &work->frame->frame;
+    const shb_draw_desc desc = {.view = frame->view,
+                                .scene = frame->scene,
+                                .width = frame->width,
+                                .height = frame->height,
+                                .ids = work->frame->ids};
+    return shb_draw(work->context, &desc, NULL);
+}
+
 static shb_result run_visibility(void *state) {
     soft_work *work = state;
     const measure_frame *frame = work->frame;
@@ -36,6 +47,10 @@ static shb_result run_overall(void *state) {
 
 bench_work soft_work_map(soft_work *work) {
     return (bench_work){run_map, work};
+}
+
+bench_work soft_work_camera(soft_work *work) {
+    return (bench_work){run_camera, work};
 }
 
 bench_work soft_work_visibility(soft_work *work) {
@@ -88,4 +103,19 @@ bool soft_work_is_served(const char *bias, const char *filter) {
     return shb_bias_parse(bias, &parsed_bias) == SHB_OK &&
            shb_filter_parse(filter, &parsed_filter) == SHB_OK &&
            (parsed_filter.exact || !(parsed_bias.needs & SHB_NEEDS_OCCLUDERS));
+}
+
+shb_result soft_work_compare(soft_work *first, soft_work *second, bench_plan plan,
+                             soft_work_times times[2]) {
+    bench_comparison map, shade;
+    shb_result result =
+        bench_compare(soft_work_map(first), soft_work_map(second), BENCH_CLOCK_THREAD, plan, &map);
+    if (!result)
+        result = bench_compare(soft_work_shade(first), soft_work_shade(second), BENCH_CLOCK_THREAD,
+                               plan, &shade);
+    if (result)
+        return result;
+    times[0] = (soft_work_times){map.first.median, shade.first.median};
+    times[1] = (soft_work_times){map.second.median, shade.second.median};
+    return SHB_OK;
 }
