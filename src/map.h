@@ -19,7 +19,8 @@ typedef struct shb_projection {
      * world unit away from the light = depth_scale / w^2. */
     double texel_scale, depth_scale;
     double texel_width, texel_height; /* where w is 1; texel_scale is the larger */
-    /* Cross products of the rows' first three elements, which the slopes of a plane are made of. */
+    /* Cross products of the first three elements of rows in texels (shb_light_rows), which the
+     * slopes of a plane are made of. */
     double x_cross_y[3], x_cross_w[3], y_cross_w[3], z_cross_y[3], z_cross_w[3], x_cross_z[3];
 } shb_projection;
 

@@ -65,12 +65,13 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
     matrix_row(matrix, 3, p.row_w);
     p.affine = p.row_w[0] == 0 && p.row_w[1] == 0 && p.row_w[2] == 0 && p.row_w[3] == 1;
 
-    cross3(p.row_x, p.row_y, p.x_cross_y);
-    cross3(p.row_x, p.row_w, p.x_cross_w);
-    cross3(p.row_y, p.row_w, p.y_cross_w);
-    cross3(p.row_z, p.row_y, p.z_cross_y);
-    cross3(p.row_z, p.row_w, p.z_cross_w);
-    cross3(p.row_x, p.row_z, p.x_cross_z);
+    const shb_light_rows rows = shb_light_rows_of(&p);
+    cross3(rows.x, rows.y, p.x_cross_y);
+    cross3(rows.x, rows.w, p.x_cross_w);
+    cross3(rows.y, rows.w, p.y_cross_w);
+    cross3(rows.z, rows.y, p.z_cross_y);
+    cross3(rows.z, rows.w, p.z_cross_w);
+    cross3(rows.x, rows.z, p.x_cross_z);
 
     p.texel_width = texel_width(p.row_x, p.row_w, p.width);
     p.texel_height = texel_width(p.row_y, p.row_w, p.height);

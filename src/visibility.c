@@ -98,7 +98,6 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, shb_receivers *receivers, float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
-    const shb_projection *projection = &map->projection;
     const shb_bias_args bias_args = {count, bias, &map->info, receivers, kernels};
     const shb_filter_args filter_args = {
         count, filter, map, &map->info, receivers, visibility, shb_prepared_find(map, filter)};
@@ -108,12 +107,12 @@ void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_fi
         return;
     }
     const uint32_t needs = bias->needs | filter->needs;
-    kernels->project(projection, needs, count, receivers);
+    kernels->project(map, needs, count, receivers);
     if (needs & SHB_NEEDS_NORMAL)
-        kernels->normals(projection, count, receivers);
+        kernels->normals(&map->projection, count, receivers);
     if (bias->offset) {
         bias->offset(&bias_args);
-        kernels->project(projection, 0, count, receivers);
+        kernels->project(map, 0, count, receivers);
     }
     if (bias->depth)
         bias->depth(&bias_args);

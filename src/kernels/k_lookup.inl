@@ -31,39 +31,87 @@ static void read_texels(const shb_map *map, size_t count, const int32_t *restric
     }
 }
 
-/* Coordinates that are inside the map, for every lane to read; outside[i] is -1 or 0. */
-static void clamp_texels(const shb_map *map, size_t count, const int32_t *restrict texel_x,
-                         const int32_t *restrict texel_y, int32_t *restrict x, int32_t *restrict y,
-                         int32_t *restrict outside) {
-    const uint32_t width = map->info.width, height = map->info.height;
-    for (size_t i = 0; i < count; i++) {
-        const bool inside = ((uint32_t)texel_x[i] < width) & ((uint32_t)texel_y[i] < height);
-        x[i] = inside ? texel_x[i] : 0;
-        y[i] = inside ? texel_y[i] : 0;
-        outside[i] = inside ? 0 : -1;
+/* True if 32-bit numbers of texels lead to every texel of a map of floats. */
+static bool can_gather(const shb_map *map) {
+    return map->info.format == SHB_FORMAT_FLOAT32 &&
+           map->depth.stride / 4 <= (size_t)INT32_MAX / map->info.height;
+}
+
+/* WIDE texels as they are stored; inside tells which lie in the map, the others mean nothing.
+ * gathers: can_gather(map). */
+static inline ALWAYS_INLINE vf read_lanes(const shb_map *map, bool gathers, vi x, vi y,
+                                          vi *inside) {
+    *inside = (vi)((vu)x < map->info.width) & (vi)((vu)y < map->info.height);
+    x &= *inside;
+    y &= *inside;
+    if (gathers)
+        return vf_gather(map->depth.texels, y * (int32_t)(map->depth.stride / 4) + x);
+    int32_t columns[WIDE], rows[WIDE];
+    float stored[WIDE] = {0};
+    vi_store(columns, x);
+    vi_store(rows, y);
+    read_texels(map, WIDE, columns, rows, stored);
+    return vf_load(stored);
+}
+
+static inline ALWAYS_INLINE void fetch_lanes(const shb_map *map, bool gathers, size_t lanes,
+                                             const int32_t *restrict texel_x,
+                                             const int32_t *restrict texel_y,
+                                             float *restrict depth) {
+    const bool reversed = map->info.view.reversed;
+    const vf far_depth = vf_splat(shb_far_depth(reversed));
+    const float sign = reversed ? -1.0f : 1.0f;
+    for (size_t i = 0; i < lanes; i += WIDE) {
+        vi inside;
+        const vf stored =
+            read_lanes(map, gathers, vi_load(texel_x + i), vi_load(texel_y + i), &inside);
+        vf_store(depth + i, vf_where(inside, sign * stored, far_depth));
     }
 }
 
-static void fetch(const shb_map *map, size_t count, const int32_t *restrict texel_x,
-                  const int32_t *restrict texel_y, float *restrict depth) {
-    SHB_ALIGN int32_t x[SHB_BATCH], y[SHB_BATCH], outside[SHB_BATCH];
-    clamp_texels(map, count, texel_x, texel_y, x, y, outside);
-    read_texels(map, count, x, y, depth);
-    const bool reversed = map->info.view.reversed;
-    const float far_depth = shb_far_depth(reversed), sign = reversed ? -1.0f : 1.0f;
-    for (size_t i = 0; i < count; i++)
-        depth[i] = outside[i] ? far_depth : sign * depth[i];
+static void fetch_whole(const shb_map *map, size_t lanes, const int32_t *texel_x,
+                        const int32_t *texel_y, float *depth) {
+    if (can_gather(map))
+        fetch_lanes(map, true, lanes, texel_x, texel_y, depth);
+    else
+        fetch_lanes(map, false, lanes, texel_x, texel_y, depth);
+}
+
+static void fetch(const shb_map *map, size_t count, const int32_t *texel_x, const int32_t *texel_y,
+                  float *depth) {
+    const size_t whole = count - count % WIDE;
+    fetch_whole(map, whole, texel_x, texel_y, depth);
+    if (whole == count)
+        return;
+    int32_t columns[WIDE] = {0}, rows[WIDE] = {0};
+    float depths[WIDE];
+    memcpy(columns, texel_x + whole, (count - whole) * sizeof *columns);
+    memcpy(rows, texel_y + whole, (count - whole) * sizeof *rows);
+    fetch_whole(map, WIDE, columns, rows, depths);
+    memcpy(depth + whole, depths, (count - whole) * sizeof *depth);
 }
 
 /* A NaN on either side compares as lit. */
-static void hard(const shb_map *map, size_t count, const shb_receivers *restrict receivers,
-                 float *restrict visibility) {
-    const size_t lanes = shb_round_to_lanes(count);
-    const float far_depth = shb_far_depth(map->info.view.reversed);
-    SHB_ALIGN float stored[SHB_BATCH];
-    fetch(map, lanes, receivers->texel_x, receivers->texel_y, stored);
-    for (size_t i = 0; i < lanes; i++) {
-        const bool shadowed = (stored[i] < receivers->ref[i]) & (stored[i] < far_depth);
-        visibility[i] = shadowed ? 0.0f : 1.0f;
+static inline ALWAYS_INLINE void test_lanes(const shb_map *map, bool gathers, size_t lanes,
+                                            const shb_receivers *restrict receivers,
+                                            float *restrict visibility) {
+    const bool reversed = map->info.view.reversed;
+    const vf far_depth = vf_splat(shb_far_depth(reversed)), one = vf_splat(1.0f);
+    const float sign = reversed ? -1.0f : 1.0f;
+    for (size_t i = 0; i < lanes; i += WIDE) {
+        vi inside;
+        const vf stored = sign * read_lanes(map, gathers, vi_load(receivers->texel_x + i),
+                                            vi_load(receivers->texel_y + i), &inside);
+        const vf nearest = vf_min(far_depth, vf_load(receivers->ref + i));
+        vf_store(visibility + i, vf_keep(~(inside & (vi)(stored < nearest)), one));
     }
+}
+
+static void hard(const shb_map *map, size_t count, const shb_receivers *receivers,
+                 float *visibility) {
+    const size_t lanes = shb_round_to_lanes(count);
+    if (can_gather(map))
+        test_lanes(map, true, lanes, receivers, visibility);
+    else
+        test_lanes(map, false, lanes, receivers, visibility);
 }

@@ -98,8 +98,7 @@ typedef struct mutual_batch {
 static void mutual_batch_init(const shb_filter_args *args, mutual_batch *batch) {
     const shb_map *map = args->map;
     memcpy(&batch->receivers, args->receivers, offsetof(shb_receivers, cosine));
-    project_batch(&map->projection, args->filter->needs & SHB_NEEDS_SCALE, args->count,
-                  &batch->receivers);
+    project_batch(map, args->filter->needs & SHB_NEEDS_SCALE, args->count, &batch->receivers);
     for (size_t i = 0; i < shb_round_to_lanes(args->count); i++)
         batch->fragments[i] = mutual_fragment_of(&map->rows, &batch->receivers, i);
 }

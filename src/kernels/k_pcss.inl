@@ -22,12 +22,6 @@ typedef struct pcss_blocked {
     vf all; /* weight of all taps */
 } pcss_blocked;
 
-/* True if 32-bit numbers of texels lead to every texel of a map of floats. */
-static bool can_gather(const shb_map *map) {
-    return map->info.format == SHB_FORMAT_FLOAT32 &&
-           map->depth.stride / 4 <= (size_t)INT32_MAX / map->info.height;
-}
-
 /* Taps of WIDE fragments: texels counted from the own ones, as floats and, with ROUNDING added, as
  * ints in the low bits of floats. */
 typedef struct pcss_taps {
@@ -51,13 +45,7 @@ static inline ALWAYS_INLINE vf read_anywhere(const shb_map *map, const pcss_lane
     const vi rounding = (vi)vf_splat(ROUNDING);
     const vi x = own->texel_x + (vi)((vu)taps->m_bits - (vu)rounding);
     const vi y = own->texel_y + (vi)((vu)taps->n_bits - (vu)rounding);
-    *inside = ((vu)x < map->info.width) & ((vu)y < map->info.height);
-    int32_t column[WIDE], row[WIDE];
-    float stored[WIDE] = {0};
-    vi_store(column, x & *inside);
-    vi_store(row, y & *inside);
-    read_texels(map, WIDE, column, row, stored);
-    return vf_load(stored);
+    return read_lanes(map, false, x, y, inside);
 }
 
 /* The first count points of the disk; inside: all lie inside a map whose texels can be gathered.

@@ -13,11 +13,6 @@ static inline ALWAYS_INLINE wd limited(wd value, double limit) {
     return wd_min(wd_max(value, wd_splat(-limit)), wd_splat(limit));
 }
 
-/* 0 where all three are finite, NaN elsewhere. */
-static inline ALWAYS_INLINE wd zero_if_finite(wd x, wd y, wd z) {
-    return (x * 0.0 + y * 0.0) + z * 0.0;
-}
-
 /* Cut off at one map depth per texel; 0 if undefined. */
 static inline ALWAYS_INLINE wd limited_slope(wd slope) {
     return wd_where_equal(slope, slope, limited(slope, 1.0), wd_splat(0.0));
@@ -30,8 +25,6 @@ static inline ALWAYS_INLINE wd limited_slope(wd slope) {
  * vectors, of which those with row_w are zero in an affine map. */
 static inline ALWAYS_INLINE void write_slopes(const shb_projection *p, bool affine, wd x, wd y,
                                               wd z, shb_receivers *restrict r, size_t i) {
-    const double per_column = p->sign * 2 / p->width;
-    const double per_row = p->sign * -2 / p->height; /* rows run down, y runs up */
     const wd nx = wd_load_floats(r->normal_x + i), ny = wd_load_floats(r->normal_y + i);
     const wd nz = wd_load_floats(r->normal_z + i);
     wd ab = dot(p->x_cross_y, nx, ny, nz);
@@ -45,8 +38,8 @@ static inline ALWAYS_INLINE void write_slopes(const shb_projection *p, bool affi
         cb = cb - y * n_zw + z * n_yw;
         ac = ac - z * n_xw + x * n_zw;
     }
-    wd_store_floats(r->slope_x + i, limited_slope(per_column * cb / ab));
-    wd_store_floats(r->slope_y + i, limited_slope(per_row * ac / ab));
+    wd_store_floats(r->slope_x + i, limited_slope(cb / ab));
+    wd_store_floats(r->slope_y + i, limited_slope(ac / ab));
 }
 
 static inline ALWAYS_INLINE void write_scales(const shb_projection *p, wd w,
@@ -56,45 +49,44 @@ static inline ALWAYS_INLINE void write_scales(const shb_projection *p, wd w,
     wd_store_floats(r->depth_per_world + i, wd_min(p->depth_scale / (w * w), largest));
 }
 
-static inline ALWAYS_INLINE void write_texels(const shb_projection *p, wd x, wd y, wd z,
-                                              shb_receivers *restrict r, size_t i) {
+static inline ALWAYS_INLINE void write_texels(wd x, wd y, wd z, shb_receivers *restrict r,
+                                              size_t i) {
     const double limit = -(double)SHB_TEXEL_NONE;
-    const wd column = limited((x * 0.5 + 0.5) * p->width, limit);
-    const wd row = limited((0.5 - y * 0.5) * p->height, limit);
+    const wd column = limited(x, limit), row = limited(y, limit);
     const wd texel_x = wd_floor(column), texel_y = wd_floor(row);
     wd_store_ints(r->texel_x + i, texel_x);
     wd_store_ints(r->texel_y + i, texel_y);
     wd_store_floats(r->to_center_x + i, texel_x + 0.5 - column);
     wd_store_floats(r->to_center_y + i, texel_y + 0.5 - row);
-    wd_store_floats(r->depth + i, limited(p->sign * z, limit));
+    wd_store_floats(r->depth + i, limited(z, limit));
 }
 
-/* A point that has no coordinates, behind the light or not finite, gets NaN for x and y, 0 for z
- * and 1 for w. */
-static inline ALWAYS_INLINE void project(const shb_projection *projection, bool affine, bool scale,
-                                         bool slope, size_t count, shb_receivers *restrict r) {
-    const shb_projection p = *projection;
+/* A point that has no coordinates, behind the light or not finite, gets NaN for all three. */
+static inline ALWAYS_INLINE void project(const shb_map *map, bool affine, bool scale, bool slope,
+                                         size_t count, shb_receivers *restrict r) {
+    const shb_projection p = map->projection;
+    const shb_light_rows rows = map->rows;
     const wd zero = wd_splat(0.0), one = wd_splat(1.0), none = wd_splat((double)NAN);
     const size_t lanes = shb_round_to_lanes(count);
     for (size_t i = 0; i < lanes; i += DOUBLES) {
         const wd px = wd_load_floats(r->x + i), py = wd_load_floats(r->y + i);
         const wd pz = wd_load_floats(r->z + i);
-        wd x = row_at(p.row_x, px, py, pz);
-        wd y = row_at(p.row_y, px, py, pz);
-        wd z = row_at(p.row_z, px, py, pz);
+        wd x = row_at(rows.x, px, py, pz);
+        wd y = row_at(rows.y, px, py, pz);
+        wd z = row_at(rows.z, px, py, pz);
         wd w = one;
         if (!affine) {
-            w = row_at(p.row_w, px, py, pz);
+            w = row_at(rows.w, px, py, pz);
             const wd inverse = wd_where_greater(w, zero, 1.0 / w, none);
             x *= inverse;
             y *= inverse;
             z *= inverse;
         }
-        const wd good = zero_if_finite(x, y, z);
+        const wd good = (x + y + z) * 0.0; /* or NaN */
         x += good;
         y += good;
-        z = wd_where_equal(good, zero, z, zero);
-        write_texels(&p, x, y, z, r, i);
+        z += good;
+        write_texels(x, y, z, r, i);
         if (scale)
             write_scales(&p, wd_where_equal(good, zero, w, one), r, i);
         if (slope)
@@ -114,26 +106,26 @@ static void fill_scales(const shb_projection *projection, size_t count, shb_rece
     }
 }
 
-static void project_batch(const shb_projection *projection, uint32_t needs, size_t count,
+static void project_batch(const shb_map *map, uint32_t needs, size_t count,
                           shb_receivers *receivers) {
     const bool scale = (needs & SHB_NEEDS_SCALE) != 0, slope = (needs & SHB_NEEDS_SLOPE) != 0;
-    if (projection->affine) {
+    if (map->projection.affine) {
         if (slope)
-            project(projection, true, false, true, count, receivers);
+            project(map, true, false, true, count, receivers);
         else
-            project(projection, true, false, false, count, receivers);
+            project(map, true, false, false, count, receivers);
         if (scale)
-            fill_scales(projection, count, receivers);
+            fill_scales(&map->projection, count, receivers);
     } else if (slope) {
         if (scale)
-            project(projection, false, true, true, count, receivers);
+            project(map, false, true, true, count, receivers);
         else
-            project(projection, false, false, true, count, receivers);
+            project(map, false, false, true, count, receivers);
     } else {
         if (scale)
-            project(projection, false, true, false, count, receivers);
+            project(map, false, true, false, count, receivers);
         else
-            project(projection, false, false, false, count, receivers);
+            project(map, false, false, false, count, receivers);
     }
 }
 

@@ -11,6 +11,8 @@
 #define ALWAYS_INLINE __attribute__((always_inline))
 #define NEVER_INLINE __attribute__((noinline))
 
+#include "vectors.h"
+
 #include "k_project.inl"
 
 #include "k_lookup.inl"
@@ -24,8 +26,6 @@
 #include "k_surface.inl"
 
 #include "k_fragments.inl"
-
-#include "vectors.h"
 
 #include "k_pyramid.inl"
 

@@ -18,8 +18,7 @@ typedef struct shb_shade_kernels {
 
     /* Positions to texels and depth; and, as needs names them, scales and slopes. Either side's
      * normals do for slopes. */
-    void (*project)(const shb_projection *projection, uint32_t needs, size_t count,
-                    shb_receivers *receivers);
+    void (*project)(const shb_map *map, uint32_t needs, size_t count, shb_receivers *receivers);
 
     /* SHB_NEEDS_NORMAL: turns the normals to the light's side, replaces unusable ones by the
      * direction to the light, and writes the cosine. */
