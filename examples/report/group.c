@@ -1,5 +1,6 @@
 #include "group.h"
 
+#include "judge.h"
 #include "pictures.h"
 #include "statistics.h"
 #include "stopwatch.h"
@@ -8,10 +9,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Times of one method, seconds. */
-typedef struct samples {
-    double map[REPORT_RUNS_MAX], shading[REPORT_RUNS_MAX], visibility[REPORT_RUNS_MAX];
-} samples;
+/* One method while it is measured; times in seconds. */
+typedef struct contender {
+    const report_method *method;
+    shb_filter filter;
+    shb_map *map;
+    double map_times[REPORT_RUNS_MAX], shading[REPORT_RUNS_MAX], visibility[REPORT_RUNS_MAX];
+} contender;
 
 /* A group while it is measured: methods that keep the same of occluders share a map, which is drawn
  * anew for each of them. */
@@ -20,24 +24,28 @@ typedef struct session {
     report_stage *stage;
     const scene_light *light;
     shb_map *maps[SHB_OCCLUDERS_LISTS + 1];
-    uint8_t *truth_of_pixels, *truth; /* of pixels and of fragments */
-    samples *samples;                 /* one a method */
+    contender *contenders;            /* one a method */
+    uint8_t *truth_of_pixels, *truth; /* of a point: of pixels and of fragments */
 } session;
 
 report_row report_group_key(const report_group *group, const report_method *method) {
     report_row row = {.map_size = group->map_size};
-    snprintf(row.scene, sizeof row.scene, "%s", group->stage->name);
-    snprintf(row.light, sizeof row.light, "%s", report_light_name(group->light));
+    snprintf(row.scene, sizeof row.scene, "%s", group->scene);
+    report_name_light(group->light, row.light, sizeof row.light);
     snprintf(row.filter, sizeof row.filter, "%s", method->filter);
     snprintf(row.method, sizeof row.method, "%s", method->name);
     snprintf(row.settings, sizeof row.settings, "%s", group->settings);
     return row;
 }
 
+static bool is_soft(const session *s) {
+    return s->group->light.degrees > 0;
+}
+
 static shb_result create_maps(session *s) {
     shb_map_desc desc = {.width = s->group->map_size};
     shb_result result =
-        scene_light_view(s->stage->scene, s->group->light, desc.width, false, &desc.view);
+        scene_light_view(s->stage->scene, s->group->light.kind, desc.width, false, &desc.view);
     for (int i = SHB_OCCLUDERS_NONE; !result && i <= SHB_OCCLUDERS_LISTS; i++) {
         desc.occluders = (shb_occluders)i;
         result = shb_map_create(s->stage->context, &desc, &s->maps[i]);
@@ -45,12 +53,27 @@ static shb_result create_maps(session *s) {
     return result;
 }
 
+static shb_result call_contenders(session *s) {
+    const report_methods *methods = s->group->methods;
+    const double width = report_light_width(s->stage->scene, s->group->light);
+    s->contenders = calloc(methods->count, sizeof *s->contenders);
+    for (size_t i = 0; s->contenders && i < methods->count; i++) {
+        contender *c = &s->contenders[i];
+        c->method = &methods->methods[i];
+        c->filter = report_method_filter(c->method, width);
+        c->map = s->maps[c->method->occluders];
+    }
+    return s->contenders ? SHB_OK : SHB_ERROR_MEMORY;
+}
+
 static shb_result find_truth(session *s) {
     const measure_frame *frame = &s->stage->frame;
+    if (is_soft(s))
+        return report_stage_soften(s->stage, &shb_map_get_info(s->maps[0])->view, s->group->light,
+                                   s->group->samples);
     s->truth_of_pixels = malloc((size_t)frame->frame.width * frame->frame.height);
     s->truth = malloc(frame->fragment_count + 1);
-    s->samples = calloc(s->group->methods->count, sizeof *s->samples);
-    if (!s->truth_of_pixels || !s->truth || !s->samples)
+    if (!s->truth_of_pixels || !s->truth)
         return SHB_ERROR_MEMORY;
     const shb_classify_desc classify = {.frame = frame->frame, .map = s->maps[0]};
     const shb_result result =
@@ -60,54 +83,50 @@ static shb_result find_truth(session *s) {
     return result;
 }
 
-static shb_result draw_map(session *s, const report_method *method, double *seconds) {
-    shb_map *map = s->maps[method->occluders];
+static shb_result draw_map(session *s, const contender *c, double *seconds) {
     const double start = stopwatch_seconds();
-    shb_result result = shb_map_draw(map, &s->stage->scene->scene, &method->bias, NULL);
+    shb_result result = shb_map_draw(c->map, &s->stage->scene->scene, &c->method->bias, NULL);
     if (!result)
-        result = shb_map_prepare(map, &method->with);
+        result = shb_map_prepare(c->map, &c->filter);
     *seconds = stopwatch_seconds() - start;
     return result;
 }
 
-static shb_result shade(session *s, const report_method *method, double *seconds) {
+static shb_result shade(session *s, const contender *c, double *seconds) {
     const double start = stopwatch_seconds();
-    const shb_result result =
-        measure_paint(&s->stage->frame, s->maps[method->occluders], &method->bias, &method->with,
-                      s->light->color, &s->stage->image);
+    const shb_result result = measure_paint(&s->stage->frame, c->map, &c->method->bias, &c->filter,
+                                            s->light->color, &s->stage->image);
     *seconds = stopwatch_seconds() - start;
     return result;
 }
 
-static shb_result ask(session *s, const report_method *method, double *seconds) {
+static shb_result ask(session *s, const contender *c, double *seconds) {
     measure_frame *frame = &s->stage->frame;
     const shb_points points = {
         .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
     const double start = stopwatch_seconds();
-    const shb_result result = shb_map_visibility(s->maps[method->occluders], &points, &method->bias,
-                                                 &method->with, frame->visibility);
+    const shb_result result =
+        shb_map_visibility(c->map, &points, &c->method->bias, &c->filter, frame->visibility);
     *seconds = stopwatch_seconds() - start;
     return result;
 }
 
-static shb_result run(session *s, size_t number, uint32_t run) {
-    const report_method *method = &s->group->methods->methods[number];
-    samples *times = &s->samples[number];
-    shb_result result = draw_map(s, method, &times->map[run]);
+static shb_result run(session *s, contender *c, uint32_t number) {
+    shb_result result = draw_map(s, c, &c->map_times[number]);
     if (!result)
-        result = shade(s, method, &times->shading[run]);
-    return result ? result : ask(s, method, &times->visibility[run]);
+        result = shade(s, c, &c->shading[number]);
+    return result ? result : ask(s, c, &c->visibility[number]);
 }
 
-static shb_result judge_detachment(session *s, const report_method *method, report_row *row) {
+static shb_result judge_detachment(session *s, const contender *c, report_row *row) {
     const scene_contact *contact = &s->light->contact;
     shb_detachment detachment;
     row->detachment_texels = (double)NAN;
     if (contact->length <= 0)
         return SHB_OK;
-    const shb_detachment_desc desc = {.map = s->maps[method->occluders],
-                                      .bias = &method->bias,
-                                      .filter = &method->with,
+    const shb_detachment_desc desc = {.map = c->map,
+                                      .bias = &c->method->bias,
+                                      .filter = &c->filter,
                                       .contact = contact->contact,
                                       .direction = contact->direction,
                                       .normal = contact->normal,
@@ -121,38 +140,30 @@ static shb_result judge_detachment(session *s, const report_method *method, repo
 }
 
 /* What the latest run of a method said, against the truth. */
-static shb_result judge(session *s, const report_method *method, report_row *row) {
+static shb_result judge(session *s, const contender *c, report_row *row) {
     const measure_frame *frame = &s->stage->frame;
-    shb_errors errors;
-    *row = report_group_key(s->group, method);
-    shb_result result =
-        shb_errors_measure(frame->fragment_count, s->truth, frame->visibility, &errors);
-    if (result)
-        return result;
+    *row = report_group_key(s->group, c->method);
     row->triangles = s->stage->scene->triangle_count;
-    row->fragments = errors.lit + errors.shadowed;
-    row->memory_bytes = shb_map_get_info(s->maps[method->occluders])->memory_bytes;
-    row->false_shadow_ppm = errors.false_shadow_ppm;
-    row->false_light_ppm = errors.false_light_ppm;
-    row->boundary_ppm = errors.boundary_ppm;
-    row->wrong_ppm = errors.wrong_ppm;
-    row->rms = row->ssim = (double)NAN;
-    return judge_detachment(s, method, row);
+    row->memory_bytes = shb_map_get_info(c->map)->memory_bytes;
+    const shb_result result = is_soft(s) ? report_judge_soft(frame, &s->stage->soft, row)
+                                         : report_judge_hard(frame, s->truth, row);
+    return result ? result : judge_detachment(s, c, row);
 }
 
-static shb_result picture_method(const session *s, const report_row *row) {
-    return s->group->pictures ? report_picture_visibility(s->group->pictures, row, &s->stage->frame)
-                              : SHB_OK;
+static shb_result judge_and_picture(session *s, const contender *c, report_row *row) {
+    const shb_result result = judge(s, c, row);
+    if (result || !s->group->pictures)
+        return result;
+    return report_picture_visibility(s->group->pictures, row, &s->stage->frame);
 }
 
-static void take_medians(const session *s, size_t number, report_row *row) {
-    const samples *times = &s->samples[number];
+static void take_medians(const session *s, contender *c, report_row *row) {
     const uint32_t runs = s->group->runs;
     const size_t fragments = s->stage->frame.fragment_count;
-    row->map_ms = 1e3 * statistics_median(times->map, runs);
-    row->shading_ms = 1e3 * statistics_median(times->shading, runs);
+    row->map_ms = 1e3 * statistics_median(c->map_times, runs);
+    row->shading_ms = 1e3 * statistics_median(c->shading, runs);
     if (fragments)
-        row->ns_per_fragment = 1e9 * statistics_median(times->visibility, runs) / (double)fragments;
+        row->ns_per_fragment = 1e9 * statistics_median(c->visibility, runs) / (double)fragments;
 }
 
 static shb_result run_all(session *s, report_row *rows) {
@@ -160,15 +171,20 @@ static shb_result run_all(session *s, report_row *rows) {
     shb_result result = SHB_OK;
     for (uint32_t k = 0; !result && k < s->group->runs; k++)
         for (size_t i = 0; !result && i < count; i++) {
-            result = run(s, i, k);
+            result = run(s, &s->contenders[i], k);
             if (!result && k == 0)
-                result = judge(s, &s->group->methods->methods[i], &rows[i]);
-            if (!result && k == 0)
-                result = picture_method(s, &rows[i]);
+                result = judge_and_picture(s, &s->contenders[i], &rows[i]);
         }
     for (size_t i = 0; !result && i < count; i++)
-        take_medians(s, i, &rows[i]);
+        take_medians(s, &s->contenders[i], &rows[i]);
     return result;
+}
+
+static shb_result picture_truth(session *s, const report_row *key) {
+    const char *directory = s->group->pictures;
+    const measure_frame *frame = &s->stage->frame;
+    return is_soft(s) ? report_picture_soft_truth(directory, key, frame, &s->stage->soft)
+                      : report_picture_truth(directory, key, frame, s->truth_of_pixels);
 }
 
 /* The pictures that all methods of the light, and of the size, have in common. */
@@ -179,15 +195,14 @@ static shb_result picture_rest(session *s) {
     const report_row key = report_group_key(group, &group->methods->methods[0]);
     const shb_result result = report_picture_extremes(
         group->pictures, &key, &s->stage->frame, s->maps[0], s->light->color, &s->stage->image);
-    return result
-               ? result
-               : report_picture_truth(group->pictures, &key, &s->stage->frame, s->truth_of_pixels);
+    return result ? result : picture_truth(s, &key);
 }
 
-shb_result report_group_measure(const report_group *group, report_row *rows) {
-    session s = {
-        .group = group, .stage = group->stage, .light = &group->stage->scene->lights[group->light]};
+shb_result report_group_measure(const report_group *group, report_stage *stage, report_row *rows) {
+    session s = {.group = group, .stage = stage, .light = &stage->scene->lights[group->light.kind]};
     shb_result result = create_maps(&s);
+    if (!result)
+        result = call_contenders(&s);
     if (!result)
         result = find_truth(&s);
     if (!result)
@@ -196,8 +211,8 @@ shb_result report_group_measure(const report_group *group, report_row *rows) {
         result = run_all(&s, rows);
     for (int i = SHB_OCCLUDERS_NONE; i <= SHB_OCCLUDERS_LISTS; i++)
         shb_map_destroy(s.maps[i]);
+    free(s.contenders);
     free(s.truth_of_pixels);
     free(s.truth);
-    free(s.samples);
     return result;
 }

@@ -9,21 +9,21 @@
 #define REPORT_RUNS_MAX 64
 
 typedef struct report_group {
-    report_stage *stage;
-    scene_light_kind light;
+    const char *scene; /* its name */
+    report_light light;
     uint32_t map_size;
     const report_methods *methods;
-    uint32_t runs;        /* 1 .. REPORT_RUNS_MAX */
-    const char *settings; /* for the rows */
-    const char *pictures; /* directory for PNG files, or NULL */
+    uint32_t runs, samples; /* 1 .. REPORT_RUNS_MAX; rays a fragment for the truth of a square */
+    const char *settings;   /* for the rows */
+    const char *pictures;   /* directory for PNG files, or NULL */
 } report_group;
 
 /* The key of a row, everything else 0. */
 report_row report_group_key(const report_group *group, const report_method *method);
 
-/* Measures all methods and writes the pictures. The methods take turns, as often as there are runs,
- * so that whatever disturbs the machine for a while meets all of them; times are medians.
- * rows has room for one row a method. */
-shb_result report_group_measure(const report_group *group, report_row *rows);
+/* Measures all methods on the group's scene and writes the pictures. The methods take turns, as
+ * often as there are runs, so that whatever disturbs the machine for a while meets all of them;
+ * times are medians. rows has room for one row a method. */
+shb_result report_group_measure(const report_group *group, report_stage *stage, report_row *rows);
 
 #endif

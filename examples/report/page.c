@@ -26,16 +26,19 @@ static void write_js(FILE *stream, const report_page *page) {
     write_lines(stream, report_page_js);
 }
 
-/* True for the first row of its scene; with light, of its scene, light and kind. */
-static bool is_first(const report_rows *rows, size_t number, bool light) {
-    const report_row *row = &rows->rows[number];
-    for (size_t i = 0; i < number; i++) {
-        const report_row *other = &rows->rows[i];
-        if (strcmp(other->scene, row->scene) == 0 &&
-            (!light || (strcmp(other->light, row->light) == 0 &&
-                        report_is_hard(other) == report_is_hard(row))))
+/* True for the first row of its scene. */
+static bool is_first_of_scene(const report_rows *rows, size_t number) {
+    for (size_t i = 0; i < number; i++)
+        if (strcmp(rows->rows[i].scene, rows->rows[number].scene) == 0)
             return false;
-    }
+    return true;
+}
+
+/* True for the first row of its scene, light and kind. */
+static bool is_first_of_pair(const report_rows *rows, size_t number) {
+    for (size_t i = 0; i < number; i++)
+        if (report_share_pair(&rows->rows[i], &rows->rows[number]))
+            return false;
     return true;
 }
 
@@ -43,7 +46,7 @@ static void write_scenes(FILE *stream, const report_page *page) {
     fprintf(stream, "<option value=\"" REPORT_ALL "\">all, means</option>");
     for (size_t i = 0; i < page->rows->count; i++) {
         const char *scene = page->rows->rows[i].scene;
-        if (is_first(page->rows, i, false) && strcmp(scene, REPORT_ALL) != 0)
+        if (is_first_of_scene(page->rows, i) && strcmp(scene, REPORT_ALL) != 0)
             fprintf(stream, "<option>%s</option>", scene);
     }
 }
@@ -55,16 +58,22 @@ static void write_verdict(FILE *stream, const report_page *page) {
     fprintf(stream, "</div>\n");
 }
 
-static void write_legend(FILE *stream, const report_page *page) {
-    (void)page;
-    fprintf(stream, "<ul class=\"legend\">\n");
+static void write_legend_of(FILE *stream, bool hard) {
+    fprintf(stream, "<ul class=\"legend\" data-kind=\"%s\"%s>\n", hard ? "hard" : "soft",
+            hard ? "" : " hidden");
     for (int i = 0; i < REPORT_FAMILIES; i++) {
         fprintf(stream,
                 "<li><svg class=\"family-%d\" viewBox=\"-8 -8 16 16\" aria-hidden=\"true\">", i);
         report_scatter_shape(stream, (report_family)i, 0, 0, 5.5);
-        fprintf(stream, "</svg>%s</li>\n", report_family_name((report_family)i));
+        fprintf(stream, "</svg>%s</li>\n", report_family_name((report_family)i, hard));
     }
     fprintf(stream, "</ul>\n");
+}
+
+static void write_legend(FILE *stream, const report_page *page) {
+    (void)page;
+    write_legend_of(stream, true);
+    write_legend_of(stream, false);
 }
 
 static void write_chart(FILE *stream, const report_page *page, report_scatter scatter) {
@@ -82,7 +91,7 @@ static void write_chart(FILE *stream, const report_page *page, report_scatter sc
 static void write_charts(FILE *stream, const report_page *page) {
     for (size_t i = 0; i < page->rows->count; i++) {
         const report_row *row = &page->rows->rows[i];
-        if (!is_first(page->rows, i, true))
+        if (!is_first_of_pair(page->rows, i))
             continue;
         if (report_is_hard(row)) {
             write_chart(stream, page,
@@ -117,9 +126,11 @@ static void write_more(FILE *stream, const report_page *page) {
 
 static void write_settings(FILE *stream, const report_page *page) {
     fprintf(stream,
-            "<p>%zu rows of %zu pairs of scene and light. %s; %s. Times are medians of runs in "
+            "<p>%zu rows of %zu pairs of scene and light. %s. Times are medians of runs in "
             "which the methods took turns. The truth is ray casting in double precision.</p>\n",
-            page->rows->count, report_count_pairs(page->rows), page->settings, page->machine);
+            page->rows->count,
+            report_count_pairs(page->rows, true) + report_count_pairs(page->rows, false),
+            page->settings);
 }
 
 /* What stands in the template where a line has nothing but "<!--name-->", or in the middle of one.

@@ -9,7 +9,6 @@ typedef struct report_page {
     const char *pictures;    /* directory of the PNG files */
     const char *directory;   /* of the report, where the sections of studies are */
     const char *settings;
-    const char *machine;
 } report_page;
 
 /* False: the file cannot be written. Pictures that are not there are left out. */

@@ -26,11 +26,12 @@ async function decode(name) {
 
 /* A row of the scene and light whose pictures are shown: means have none of their own. */
 const pictured = () => state.scene !== "all" ? rows.find(fits)
-  : rows.find((row) => row.dataset.scene === "columns") ||
-    rows.find((row) => row.dataset.scene !== "all");
+  : rows.find((row) => row.dataset.scene === "columns" && row.dataset.kind === state.kind) ||
+    rows.find((row) => row.dataset.scene !== "all" && row.dataset.kind === state.kind);
 
-const fits = (element) => element.dataset.scene === state.scene &&
-  element.dataset.light === state.light && element.dataset.kind === state.kind;
+/* What names a scene or light belongs to no other. */
+const fits = ({ dataset }) => (dataset.scene ?? state.scene) === state.scene &&
+  (dataset.light ?? state.light) === state.light && dataset.kind === state.kind;
 
 function fill(select, values, chosen) {
   select.replaceChildren(...values.map((value) => new Option(value, value)));
@@ -40,46 +41,42 @@ function fill(select, values, chosen) {
 }
 const unique = (list) => [...new Set(list)];
 
-/* Charts, table and lists for the chosen scene, light and kind. */
+/* Charts, table and lists for the chosen scene, kind and light. */
 function choose() {
   const ofScene = rows.filter((row) => row.dataset.scene === state.scene);
-  state.light = fill(byId("light"), unique(ofScene.map((row) => row.dataset.light)), state.light);
-  const kinds = unique(ofScene.map((row) => row.dataset.kind));
-  state.kind = fill(byId("filter"), kinds, state.kind);
-  for (const row of rows) row.hidden = !fits(row);
-  let charts = 0;
-  for (const chart of document.querySelectorAll(".chart")) {
-    chart.hidden = !fits(chart);
-    charts += !chart.hidden;
-  }
-  byId("no-chart").hidden = charts > 0;
+  state.kind = fill(byId("kind"), unique(ofScene.map((row) => row.dataset.kind)), state.kind);
+  const ofKind = ofScene.filter((row) => row.dataset.kind === state.kind);
+  state.light = fill(byId("light"), unique(ofKind.map((row) => row.dataset.light)), state.light);
+  for (const part of document.querySelectorAll("[data-kind]")) part.hidden = !fits(part);
   const shown = rows.filter(fits);
-  const names = unique(shown.map(nameOf));
   state.size = fill(byId("size"), unique(shown.map((row) => row.dataset.size)), state.size);
-  state.name = fill(byId("method"), names, state.name);
+  state.name = fill(byId("method"), unique(shown.map(nameOf)), state.name);
   drawGallery();
   showMethod();
 }
-const nameOf = (row) => row.dataset.method +
-  (row.dataset.filter === "hard" ? "" : " with " + row.dataset.filter);
+const nameOf = ({ dataset: { filter, method } }) =>
+  filter === "hard" ? method : filter + " with " + method;
 
 const rowOf = (name) => rows.find((row) => fits(row) && nameOf(row) === name &&
   row.dataset.size === state.size);
 
-/* The row that belongs to a method's picture. */
+const pictureOf = ({ dataset: row }) =>
+  [row.scene, row.light, row.size, row.filter, row.method].join("-");
+
+/* The row of a method that has a picture: of the chosen map size, else of another. */
 function rowOfPicture(name) {
   const place = pictured().dataset;
-  return rows.find((row) => row.dataset.scene === place.scene && row.dataset.light === place.light &&
-    nameOf(row) === name && row.dataset.size === state.size);
+  const own = rows.filter((row) => row.dataset.scene === place.scene &&
+    row.dataset.light === place.light && nameOf(row) === name && images[pictureOf(row)]);
+  return own.find((row) => row.dataset.size === state.size) || own[0];
 }
 
 function pictureNames(row) {
-  const place = pictured();
-  const head = place.dataset.scene + "-" + place.dataset.light;
+  const { scene, light, size, kind } = row.dataset;
+  const head = scene + "-" + light.split("-")[0];
   return {
-    lit: head + "-lit", dark: head + "-dark",
-    truth: head + "-" + state.size + (row.dataset.kind === "soft" ? "-soft" : "-truth"),
-    method: head + "-" + state.size + "-" + row.dataset.filter + "-" + row.dataset.method,
+    lit: head + "-lit", dark: head + "-dark", method: pictureOf(row),
+    truth: scene + "-" + light + (kind === "soft" ? "" : "-" + size) + "-truth",
   };
 }
 
@@ -90,10 +87,10 @@ async function loadPictures(row) {
   return { ...Object.fromEntries(entries), soft: row.dataset.kind === "soft" };
 }
 
-/* What the truth's greys stand for. */
+/* What the truth's greys stand for; 0 does not count. */
 const isBoundary = (grey) => grey === 200 || grey === 48;
-const truthOf = (pictures, i) => pictures.soft ? pictures.truth.data[i] / 255
-  : pictures.truth.data[i] === 0 || pictures.truth.data[i] > 150 ? 1 : 0;
+const truthOf = (pictures, i) => pictures.truth.data[i] === 0 ? 1
+  : pictures.soft ? (pictures.truth.data[i] - 1) / 254 : pictures.truth.data[i] > 150 ? 1 : 0;
 
 /* A picture is linear in visibility before the square root of its gamma. */
 function drawScene(canvas, pictures, visibilityOf) {
@@ -120,8 +117,7 @@ function drawErrors(canvas, pictures, withBoundaries) {
   for (let i = 0; i < out.length; i += 4) {
     const grey = 110 + (lit[i] + lit[i + 1] + lit[i + 2]) / 12;
     const truth = pictures.truth.data[i];
-    const counts = pictures.soft || truth > 0;
-    const error = counts ? pictures.method.data[i] / 255 - truthOf(pictures, i) : 0;
+    const error = truth > 0 ? pictures.method.data[i] / 255 - truthOf(pictures, i) : 0;
     const pale = !pictures.soft && isBoundary(truth);
     const weight = (pale && !withBoundaries ? 0 : pale ? 0.55 : 1) * Math.min(1, Math.abs(error));
     const color = error < 0 ? [140, 20, 0] : [143, 230, 255];
@@ -155,17 +151,16 @@ async function showMethod() {
       point.dataset.filter === row.dataset.filter && point.dataset.size === row.dataset.size);
   for (const button of byId("gallery").children)
     button.setAttribute("aria-pressed", button.dataset.name === state.name);
-  if (!row) return;
-  const pictures = await loadPictures(row);
-  if (rowOf(state.name) !== row || !pictures.method || !pictures.lit) return;
+  const own = rowOfPicture(state.name);
+  if (!own) return;
+  const pictures = await loadPictures(own);
+  if (rowOfPicture(state.name) !== own) return;
   current = pictures;
   drawCompare();
   drawErrors(byId("errors"), pictures, byId("boundaries").checked);
-  const place = pictured();
-  const where = place.dataset.scene + ", " + place.dataset.light + ", map of " + state.size;
-  const own = rowOfPicture(state.name);
-  byId("compare-caption").textContent = state.name + ": " + where;
-  byId("errors-caption").textContent = own ? own.dataset.summary : "";
+  const { scene, light, size, summary } = own.dataset;
+  byId("compare-caption").textContent = `${state.name}: ${scene}, ${light}, map of ${size}`;
+  byId("errors-caption").textContent = summary;
 }
 
 async function drawGallery() {
@@ -181,12 +176,11 @@ async function drawGallery() {
   });
   byId("gallery").replaceChildren(...buttons);
   for (const button of buttons) {
-    const row = rowOf(button.dataset.name);
-    const pictures = row && await loadPictures(row);
-    button.hidden = !pictures || !pictures.method;
-    if (button.hidden) continue;
-    drawErrors(button.querySelector("canvas"), pictures, byId("boundaries").checked);
-    button.querySelector("span").textContent = rowOfPicture(button.dataset.name).dataset.brief;
+    const row = rowOfPicture(button.dataset.name);
+    button.hidden = !row;
+    if (!row) continue;
+    drawErrors(button.querySelector("canvas"), await loadPictures(row), byId("boundaries").checked);
+    button.querySelector("span").textContent = row.dataset.brief;
   }
 }
 
@@ -222,8 +216,7 @@ function showTip(point) {
 }
 
 function choosePoint(point) {
-  state.name = point.dataset.method +
-    (point.dataset.filter === "hard" ? "" : " with " + point.dataset.filter);
+  state.name = nameOf(point);
   const newSize = state.size !== point.dataset.size;
   byId("method").value = state.name;
   byId("size").value = state.size = point.dataset.size;
@@ -265,8 +258,8 @@ for (const chart of document.querySelectorAll(".chart")) {
 for (const header of document.querySelectorAll("#table thead th"))
   header.querySelector("button").onclick = () => sortBy(header);
 byId("scene").onchange = (event) => { state.scene = event.target.value; choose(); };
+byId("kind").onchange = (event) => { state.kind = event.target.value; choose(); };
 byId("light").onchange = (event) => { state.light = event.target.value; choose(); };
-byId("filter").onchange = (event) => { state.kind = event.target.value; choose(); };
 byId("method").onchange = (event) => { state.name = event.target.value; showMethod(); };
 byId("size").onchange = (event) => { state.size = event.target.value; drawGallery(); showMethod(); };
 byId("boundaries").onchange = () => { drawGallery(); showMethod(); };

@@ -8,6 +8,7 @@
 typedef struct table_column {
     const char *title;
     double (*value_of)(const report_row *row); /* NaN: none */
+    bool soft;                                 /* for soft shadows alone */
 } table_column;
 
 static double map_size(const report_row *row) {
@@ -42,18 +43,18 @@ static double detachment(const report_row *row) {
 }
 
 static const table_column columns[] = {
-    {"map\ntexels", map_size},
-    {"map\nms", map_ms},
-    {"shading\nms", shading_ms},
-    {"ns a\nfragment", nanoseconds},
-    {"memory\nMB", megabytes},
-    {"false\nshadow", false_shadow},
-    {"false\nlight", false_light},
-    {"at\nboundaries", boundary},
-    {"wrong\nin all", report_wrong},
-    {"RMS", report_rms},
-    {"SSIM", similarity},
-    {"detached\ntexels", detachment},
+    {"map\ntexels", map_size, false},
+    {"map\nms", map_ms, false},
+    {"shading\nms", shading_ms, false},
+    {"ns a\nfragment", nanoseconds, false},
+    {"memory\nMB", megabytes, false},
+    {"false\nshadow", false_shadow, false},
+    {"false\nlight", false_light, false},
+    {"at\nboundaries", boundary, false},
+    {"wrong\nin all", report_wrong, false},
+    {"RMS", report_rms, true},
+    {"SSIM", similarity, true},
+    {"detached\ntexels", detachment, false},
 };
 enum { COLUMNS = sizeof columns / sizeof *columns };
 
@@ -86,16 +87,19 @@ static bool is_used(const report_rows *rows, const table_column *column) {
 }
 
 static void write_head(FILE *stream, const report_rows *rows) {
-    fprintf(stream, "<table>\n<thead><tr><th class=\"text\" scope=\"col\"><button "
-                    "type=\"button\">method</button></th>");
+    fprintf(stream,
+            "<table>\n<caption>Every method, filter and map size of the chosen "
+            "scene and light</caption>\n<thead><tr><th class=\"text\" scope=\"col\"><button "
+            "type=\"button\">method</button></th>");
     for (size_t k = 0; k < COLUMNS; k++)
         if (is_used(rows, &columns[k]))
-            fprintf(stream, "<th scope=\"col\"><button type=\"button\">%s</button></th>",
-                    columns[k].title);
+            fprintf(stream, "<th scope=\"col\"%s><button type=\"button\">%s</button></th>",
+                    columns[k].soft ? " data-kind=\"soft\" hidden" : "", columns[k].title);
     fprintf(stream, "</tr></thead>\n");
 }
 
-static void write_data(FILE *stream, const report_row *row) {
+/* What stands below a method's picture: briefly, and in a sentence. */
+static void write_summary(FILE *stream, const report_row *row) {
     char away[32], all[32], ms[32], shadow[32], light[32], boundaries[32];
     report_format_number(away, sizeof away, report_wrong_away(row));
     report_format_number(all, sizeof all, row->wrong_ppm);
@@ -103,13 +107,28 @@ static void write_data(FILE *stream, const report_row *row) {
     report_format_number(shadow, sizeof shadow, row->false_shadow_ppm);
     report_format_number(light, sizeof light, row->false_light_ppm);
     report_format_number(boundaries, sizeof boundaries, row->boundary_ppm);
+    if (report_is_hard(row))
+        fprintf(stream,
+                " data-brief=\"%s ppm, %s ms\" data-summary=\"%s ms; false shadow %s, false light "
+                "%s away from boundaries, %s at them, %s wrong in all (parts per million)\"",
+                away, ms, ms, shadow, light, boundaries, all);
+    else
+        fprintf(
+            stream,
+            " data-brief=\"RMS %.3f, %s ms\" data-summary=\"%s ms; RMS %.3f, structural "
+            "similarity %.3f; light that is missing where all should be %s, that is there where "
+            "none should be %s, wrong in penumbras %s (parts per million)\"",
+            row->rms, ms, ms, row->rms, row->ssim, shadow, light, boundaries);
+}
+
+static void write_data(FILE *stream, const report_row *row) {
     fprintf(stream,
             "<tr data-scene=\"%s\" data-light=\"%s\" data-kind=\"%s\" data-filter=\"%s\" "
-            "data-method=\"%s\" data-size=\"%u\" data-brief=\"%s ppm, %s ms\" "
-            "data-summary=\"%s ms; false shadow %s, false light %s away from boundaries, %s at "
-            "them, %s wrong in all (parts per million)\"%s>",
+            "data-method=\"%s\" data-size=\"%u\"",
             row->scene, row->light, report_is_hard(row) ? "hard" : "soft", row->filter, row->method,
-            (unsigned)row->map_size, away, ms, ms, shadow, light, boundaries, all,
+            (unsigned)row->map_size);
+    write_summary(stream, row);
+    fprintf(stream, "%s>",
             strcmp(row->scene, REPORT_ALL) == 0 && report_is_hard(row) ? "" : " hidden");
 }
 
@@ -117,8 +136,8 @@ static void write_row(FILE *stream, const report_rows *rows, const report_row *r
     char text[48];
     const bool hard = report_is_hard(row);
     write_data(stream, row);
-    fprintf(stream, "<th scope=\"row\" data-value=\"%s%s\">%s%s%s</th>", row->method, row->filter,
-            row->method, hard ? "" : " with ", hard ? "" : row->filter);
+    fprintf(stream, "<th scope=\"row\" data-value=\"%s%s\">%s%s%s</th>", row->filter, row->method,
+            hard ? "" : row->filter, hard ? "" : " with ", row->method);
     for (size_t k = 0; k < COLUMNS; k++) {
         if (!is_used(rows, &columns[k]))
             continue;
@@ -127,7 +146,9 @@ static void write_row(FILE *stream, const report_rows *rows, const report_row *r
             snprintf(text, sizeof text, "%u", (unsigned)row->map_size);
         else
             report_format_number(text, sizeof text, value);
-        if (isnan(value))
+        if (columns[k].soft && hard)
+            fprintf(stream, "<td data-kind=\"soft\" hidden data-value=\"\"></td>");
+        else if (isnan(value))
             fprintf(stream, "<td data-value=\"\">-</td>");
         else
             fprintf(stream, "<td data-value=\"%.6g\">%s</td>", value, text);

@@ -3,6 +3,7 @@
 #include "png.h"
 #include "summary.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,15 +24,19 @@ uint8_t report_truth_grey(uint8_t truth) {
 }
 
 void report_picture_name(char *name, size_t size, report_picture kind, const report_row *row) {
+    const int kind_length = (int)strcspn(row->light, "-");
     switch (kind) {
     case REPORT_PICTURE_LIT:
-        snprintf(name, size, "%s-%s-lit", row->scene, row->light);
+        snprintf(name, size, "%s-%.*s-lit", row->scene, kind_length, row->light);
         break;
     case REPORT_PICTURE_DARK:
-        snprintf(name, size, "%s-%s-dark", row->scene, row->light);
+        snprintf(name, size, "%s-%.*s-dark", row->scene, kind_length, row->light);
         break;
     case REPORT_PICTURE_TRUTH:
-        snprintf(name, size, "%s-%s-%u-truth", row->scene, row->light, (unsigned)row->map_size);
+        if (report_is_hard(row))
+            snprintf(name, size, "%s-%s-%u-truth", row->scene, row->light, (unsigned)row->map_size);
+        else
+            snprintf(name, size, "%s-%s-truth", row->scene, row->light);
         break;
     case REPORT_PICTURE_METHOD:
         snprintf(name, size, "%s-%s-%u-%s-%s", row->scene, row->light, (unsigned)row->map_size,
@@ -76,33 +81,57 @@ shb_result report_picture_extremes(const char *directory, const report_row *row,
     return result;
 }
 
-shb_result report_picture_truth(const char *directory, const report_row *row,
-                                const measure_frame *frame, const uint8_t *truth) {
-    const uint32_t width = frame->frame.width, height = frame->frame.height;
-    uint8_t *greys = malloc((size_t)width * height);
-    if (!greys)
-        return SHB_ERROR_MEMORY;
-    for (size_t i = 0; i < (size_t)width * height; i++)
-        greys[i] = report_truth_grey(truth[i]);
-    const png_image picture = {greys, width, height, 0, PNG_GREY};
-    const shb_result result = write_picture(directory, REPORT_PICTURE_TRUTH, row, &picture);
+/* Writes greys, one a pixel, and releases them. */
+static shb_result write_greys(const char *directory, report_picture kind, const report_row *row,
+                              const measure_frame *frame, uint8_t *greys, png_format format) {
+    const png_image picture = {greys, frame->frame.width, frame->frame.height, 0, format};
+    const shb_result result = write_picture(directory, kind, row, &picture);
     free(greys);
     return result;
 }
 
+static uint8_t *black(const measure_frame *frame) {
+    return calloc((size_t)frame->frame.width * frame->frame.height, 1);
+}
+
+shb_result report_picture_truth(const char *directory, const report_row *row,
+                                const measure_frame *frame, const uint8_t *truth) {
+    uint8_t *greys = black(frame);
+    if (!greys)
+        return SHB_ERROR_MEMORY;
+    for (size_t i = 0; i < frame->fragment_count; i++)
+        greys[frame->pixels[i]] = report_truth_grey(truth[frame->pixels[i]]);
+    return write_greys(directory, REPORT_PICTURE_TRUTH, row, frame, greys, PNG_GREY);
+}
+
+shb_result report_picture_soft_truth(const char *directory, const report_row *row,
+                                     const measure_frame *frame, const soft_truth *truth) {
+    uint8_t *greys = black(frame);
+    if (!greys)
+        return SHB_ERROR_MEMORY;
+    for (size_t i = 0; i < frame->fragment_count; i++) {
+        const size_t pixel = frame->pixels[i];
+        if (truth->mask[pixel])
+            greys[pixel] = (uint8_t)(1.5f + 254 * truth->visibility[pixel]);
+    }
+    return write_greys(directory, REPORT_PICTURE_TRUTH, row, frame, greys, PNG_GREY);
+}
+
+/* 17 greys: files stay small. */
+static uint8_t soft_grey(float visibility) {
+    return (uint8_t)(255 * floorf(16 * visibility + 0.5f) / 16 + 0.5f);
+}
+
 shb_result report_picture_visibility(const char *directory, const report_row *row,
                                      const measure_frame *frame) {
-    const bool soft = !report_is_hard(row);
-    const uint32_t width = frame->frame.width, height = frame->frame.height;
-    uint8_t *greys = calloc((size_t)width * height, 1);
+    const bool hard = report_is_hard(row);
+    uint8_t *greys = black(frame);
     if (!greys)
         return SHB_ERROR_MEMORY;
     for (size_t i = 0; i < frame->fragment_count; i++) {
         const float visibility = frame->visibility[i];
-        greys[frame->pixels[i]] = soft ? (uint8_t)(255 * visibility + 0.5f) : visibility >= 0.5f;
+        greys[frame->pixels[i]] = hard ? visibility >= 0.5f : soft_grey(visibility);
     }
-    const png_image picture = {greys, width, height, 0, soft ? PNG_GREY : PNG_BITS};
-    const shb_result result = write_picture(directory, REPORT_PICTURE_METHOD, row, &picture);
-    free(greys);
-    return result;
+    return write_greys(directory, REPORT_PICTURE_METHOD, row, frame, greys,
+                       hard ? PNG_BITS : PNG_GREY);
 }

@@ -4,16 +4,16 @@
 #ifndef REPORT_PICTURES_H
 #define REPORT_PICTURES_H
 
-#include "measure.h"
 #include "rows.h"
+#include "soft.h"
 
 #define REPORT_PICTURE_PATH 512
 
 /* Kinds of pictures, by what they belong to. */
 typedef enum report_picture {
-    REPORT_PICTURE_LIT,   /* a scene and light: everything lit */
+    REPORT_PICTURE_LIT,   /* a scene and light, whatever its extent: everything lit */
     REPORT_PICTURE_DARK,  /* the same: everything in shadow */
-    REPORT_PICTURE_TRUTH, /* scene, light and map size: the truth of each pixel, in greys */
+    REPORT_PICTURE_TRUTH, /* scene and light, hard also map size: the truth of each pixel */
     REPORT_PICTURE_METHOD /* a row: its visibility */
 } report_picture;
 
@@ -30,7 +30,11 @@ shb_result report_picture_extremes(const char *directory, const report_row *row,
 shb_result report_picture_truth(const char *directory, const report_row *row,
                                 const measure_frame *frame, const uint8_t *truth);
 
-/* The frame's latest visibility, two colours if the row is of a hard filter. */
+/* Visibility in greys from 1 to 255; what does not count is black. */
+shb_result report_picture_soft_truth(const char *directory, const report_row *row,
+                                     const measure_frame *frame, const soft_truth *truth);
+
+/* The frame's latest visibility, two colours if the row is of a hard filter, else 17 greys. */
 shb_result report_picture_visibility(const char *directory, const report_row *row,
                                      const measure_frame *frame);
 

@@ -1,6 +1,5 @@
 /* Speed against error, every method on every scene: report --help. */
 #include "arguments.h"
-#include "machine_name.h"
 #include "page.h"
 #include "study.h"
 #include "study_tuner.h"
@@ -20,14 +19,11 @@ typedef struct report_command {
 static bool read_command(int argc, char **argv, report_command *command) {
     report_options *options = &command->options;
     const argument_spec arguments[] = {
-        {NULL, "SCENE.obj ...", "scenes to measure beside the built-in ones", ARGUMENT_TEXTS,
-         (void *)options->operands, 0, REPORT_OPERANDS_MAX},
-        {"--only", NULL, "measure the named scenes and no others", ARGUMENT_FLAG, &options->only, 0,
-         0},
+        {NULL, "SCENE.obj ...", "scenes to measure; none: built-in ones and those of --meshes",
+         ARGUMENT_TEXTS, (void *)options->operands, 0, REPORT_OPERANDS_MAX},
         {"--quick", NULL, "few scenes, small pictures, two map sizes", ARGUMENT_FLAG,
          &options->quick, 0, 0},
-        {"--continue", NULL, "keep rows of the same settings that the report has already",
-         ARGUMENT_FLAG, &options->keep, 0, 0},
+        {"--fresh", NULL, "measure everything anew", ARGUMENT_FLAG, &options->fresh, 0, 0},
         {"--out", "DIR", "directory of the report; default build/out/report", ARGUMENT_TEXT,
          &options->directory, 0, 0},
         {"--meshes", "DIR", "directory of further OBJ files; default ../shared/scenes",
@@ -50,16 +46,18 @@ static bool read_command(int argc, char **argv, report_command *command) {
     if (command->help) {
         printf("usage: report [OPTIONS] [SCENE.obj ...]\n");
         arguments_print(stdout, arguments, count);
+        printf("A run may be stopped: started again with the same options on the same machine, it\n"
+               "keeps the rows of report.tsv and measures those that are missing. Rows older than\n"
+               "the program do not count.\n");
     }
     return true;
 }
 
 static bool write_page(const report_options *options, const char *settings, report_rows *rows) {
-    char path[512], pictures[512], machine[128];
+    char path[512], pictures[512];
     snprintf(path, sizeof path, "%s/index.html", options->directory);
     snprintf(pictures, sizeof pictures, "%s/pictures", options->directory);
-    report_machine_name(machine, sizeof machine);
-    const report_page page = {rows, pictures, options->directory, settings, machine};
+    const report_page page = {rows, pictures, options->directory, settings};
     if (!tool_succeeds("report", "means", report_add_means(rows) ? SHB_OK : SHB_ERROR_MEMORY) ||
         !tool_succeeds("report", path, report_page_write(&page, path) ? SHB_OK : SHB_ERROR_FILE))
         return false;
@@ -67,15 +65,31 @@ static bool write_page(const report_options *options, const char *settings, repo
     return true;
 }
 
-static bool write_report(shb_context *context, const report_options *options) {
-    char path[512], settings[96];
+/* Whether a file was written before this program: another program measured what it says. */
+static bool is_outdated(const char *path) {
+    struct stat file, program;
+    return stat(path, &file) == 0 && stat("/proc/self/exe", &program) == 0 &&
+           file.st_mtime < program.st_mtime;
+}
+
+/* The rows of an earlier run that still count; the file then has no others. */
+static bool keep_rows(const report_options *options, const char *settings, const char *path,
+                      report_rows *rows) {
+    if (!options->fresh && !report_rows_read(rows, settings, path))
+        return tool_succeeds("report", path, SHB_ERROR_MEMORY);
+    if (rows->count)
+        printf("%zu rows of an earlier run are kept; --fresh measures them anew\n", rows->count);
+    return tool_succeeds("report", path, report_rows_replace(rows, path) ? SHB_OK : SHB_ERROR_FILE);
+}
+
+static bool write_report(shb_context *context, report_options *options) {
+    char path[512], settings[192];
     report_rows rows = {0};
     snprintf(path, sizeof path, "%s/report.tsv", options->directory);
     report_settings(options, context, settings, sizeof settings);
-    bool done = !options->keep || report_rows_read(&rows, settings, path);
-    remove(path);
-    done = done && (rows.count == 0 || report_rows_append(rows.rows, rows.count, path)) &&
-           report_survey(context, options, settings, path, &rows);
+    options->fresh |= is_outdated(path);
+    bool done = keep_rows(options, settings, path, &rows) &&
+                report_survey(context, options, settings, path, &rows);
     if (done)
         printf("%zu rows: %s\n", rows.count, path);
     done = done && report_studies_run(context, options, settings) &&

@@ -110,6 +110,14 @@ bool report_rows_append(const report_row *rows, size_t count, const char *path) 
     return fclose(stream) == 0 && written;
 }
 
+bool report_rows_replace(const report_rows *rows, const char *path) {
+    char whole[1024];
+    if (snprintf(whole, sizeof whole, "%s.new", path) >= (int)sizeof whole)
+        return false;
+    remove(whole);
+    return report_rows_append(rows->rows, rows->count, whole) && rename(whole, path) == 0;
+}
+
 static bool read_value(const column *c, const char *text, report_row *row) {
     void *value = (char *)row + c->offset;
     char *end = NULL;

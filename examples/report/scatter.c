@@ -16,7 +16,9 @@ enum {
     POINTS_MAX = 512,
     LETTER = 7, /* width of a letter of a label, about */
     LINE = 14,  /* height of a label */
-    LEGEND = 28 /* height of the legend, which a page has elsewhere */
+    TICKS_A_DECADE = 3,
+    TICKS_REACH = 10 * TICKS_A_DECADE, /* to both sides of 1 */
+    LEGEND = 28                        /* height of the legend, which a page has elsewhere */
 };
 
 typedef struct point {
@@ -40,11 +42,6 @@ typedef struct figure {
     size_t taken_count;
 } figure;
 
-static bool belongs(const report_row *row, const report_row *pair) {
-    return strcmp(row->scene, pair->scene) == 0 && strcmp(row->light, pair->light) == 0 &&
-           report_is_hard(row) == report_is_hard(pair);
-}
-
 static int by_time(const void *a, const void *b) {
     const point *first = a, *second = b;
     if (first->ms != second->ms)
@@ -56,7 +53,7 @@ static void collect(figure *f, const report_rows *rows) {
     for (size_t i = 0; i < rows->count && f->count < POINTS_MAX; i++) {
         const report_row *row = &rows->rows[i];
         const double error = f->scatter->error_of(row);
-        if (belongs(row, f->scatter->pair) && !isnan(error) && report_row_ms(row) > 0)
+        if (report_share_pair(row, f->scatter->pair) && !isnan(error) && report_row_ms(row) > 0)
             f->points[f->count++] =
                 (point){.row = row,
                         .ms = report_row_ms(row),
@@ -64,6 +61,12 @@ static void collect(figure *f, const report_rows *rows) {
                         .front = report_is_on_front(rows, row, f->scatter->error_of)};
     }
     qsort(f->points, f->count, sizeof *f->points, by_time);
+}
+
+/* To 1, 2 or 5 times a power of ten, as a reciprocal is, too. */
+static double round_down(double value) {
+    const double decade = pow(10, floor(log10(value)));
+    return decade * (value >= 5 * decade ? 5 : value >= 2 * decade ? 2 : 1);
 }
 
 /* The axes reach from what lies just below the smallest value to just above the largest. */
@@ -82,8 +85,8 @@ static void fit_axes(figure *f) {
         f->error_lo = f->error_hi = 1;
     f->ms_lo /= 1.25;
     f->ms_hi *= 1.25;
-    f->error_lo = pow(10, floor(log10(f->error_lo / 1.2)));
-    f->error_hi = pow(10, ceil(log10(f->error_hi * 1.2)));
+    f->error_lo = round_down(f->error_lo / 1.2);
+    f->error_hi = 1 / round_down(1 / (f->error_hi * 1.2));
 }
 
 static double plot_bottom(const figure *f) {
@@ -140,25 +143,36 @@ static void format_tick(char *text, size_t size, double value) {
         snprintf(text, size, "%g", value);
 }
 
+/* 1, 2, 5, 10 and so on, and down to both sides of 1. */
+static double tick_at(int step) {
+    static const double ticks[TICKS_A_DECADE] = {1, 2, 5};
+    const int shifted = step + TICKS_REACH;
+    return pow(10, shifted / TICKS_A_DECADE - TICKS_REACH / TICKS_A_DECADE) *
+           ticks[shifted % TICKS_A_DECADE];
+}
+
 static void write_time_axis(figure *f) {
     char text[32];
-    for (int decade = -4; decade <= 6; decade++)
-        for (int i = 0; i < 3; i++) {
-            const double ms = pow(10, decade) * (i == 0 ? 1 : i == 1 ? 2 : 5);
-            if (ms < f->ms_lo || ms > f->ms_hi)
-                continue;
-            const double x = x_of(f, ms);
-            format_tick(text, sizeof text, ms);
-            write_grid_line(f, x, TOP, x, HEIGHT - BOTTOM);
-            write_text(f, "tick middle", x, HEIGHT - BOTTOM + 16, text);
-        }
+    for (int step = -TICKS_REACH; step <= TICKS_REACH; step++) {
+        const double ms = tick_at(step), x = x_of(f, ms);
+        if (ms < f->ms_lo || ms > f->ms_hi)
+            continue;
+        format_tick(text, sizeof text, ms);
+        write_grid_line(f, x, TOP, x, HEIGHT - BOTTOM);
+        write_text(f, "tick middle", x, HEIGHT - BOTTOM + 16, text);
+    }
     write_text(f, "axis middle", (LEFT + WIDTH - RIGHT) / 2.0, HEIGHT - 10,
                "map and shading together, milliseconds");
 }
 
 static void write_error_axis(figure *f) {
     char text[32];
-    for (double error = f->error_lo; error <= f->error_hi * 1.01; error *= 10) {
+    const bool narrow = f->error_hi < 200 * f->error_lo; /* room for more than powers of ten */
+    for (int step = -TICKS_REACH; step <= TICKS_REACH; step++) {
+        const double error = tick_at(step);
+        if (error < f->error_lo * 0.99 || error > f->error_hi * 1.01 ||
+            (!narrow && step % TICKS_A_DECADE != 0))
+            continue;
         const double y = y_of(f, error);
         format_tick(text, sizeof text, error);
         write_grid_line(f, LEFT, y, WIDTH - RIGHT, y);
@@ -213,7 +227,8 @@ void report_scatter_shape(FILE *stream, report_family family, double x, double y
 static void write_legend(figure *f) {
     double x = LEFT;
     for (int family = 0; family < REPORT_FAMILIES; family++) {
-        const char *name = report_family_name((report_family)family);
+        const char *name =
+            report_family_name((report_family)family, report_is_hard(f->scatter->pair));
         fprintf(f->stream, "<g class=\"family-%d\">", family);
         report_scatter_shape(f->stream, (report_family)family, x, HEIGHT + 8, 5.5);
         fprintf(f->stream, "</g>\n");
@@ -223,7 +238,8 @@ static void write_legend(figure *f) {
 }
 
 static void write_point(figure *f, const point *p, bool first) {
-    const report_family family = report_family_of(p->row->method);
+    const report_family family = report_family_of(p->row);
+    const bool hard = report_is_hard(p->row);
     char error[32];
     snprintf(error, sizeof error, p->error >= 100 ? "%.0f" : "%.3g", p->error);
     fprintf(f->stream, "<g class=\"point family-%d%s\"", (int)family, p->front ? " on-front" : "");
@@ -232,8 +248,8 @@ static void write_point(figure *f, const point *p, bool first) {
                 " role=\"img\" tabindex=\"%d\" data-method=\"%s\" data-filter=\"%s\" "
                 "data-size=\"%u\"",
                 first ? 0 : -1, p->row->method, p->row->filter, (unsigned)p->row->map_size);
-    fprintf(f->stream, " aria-label=\"%s%s%s, map of %u: %.3g ms, %s %s%s\">", p->row->method,
-            report_is_hard(p->row) ? "" : " with ", report_is_hard(p->row) ? "" : p->row->filter,
+    fprintf(f->stream, " aria-label=\"%s%s%s, map of %u: %.3g ms, %s %s%s\">",
+            hard ? "" : p->row->filter, hard ? "" : " with ", p->row->method,
             (unsigned)p->row->map_size, p->ms, error, f->scatter->axis,
             p->front ? "; on the Pareto front" : "");
     report_scatter_shape(f->stream, family, p->x, p->y, mark_radius(p->row));
@@ -256,8 +272,9 @@ static bool is_free(const figure *f, const box *wanted) {
 static void write_label(figure *f, const point *p) {
     static const double aside[6][2] = {{1, -0.9}, {1, 0.9}, {-1, 0.9}, {-1, -0.9}, {1, 0}, {-1, 0}};
     char text[160];
-    const int length =
-        snprintf(text, sizeof text, "%s %u", p->row->method, (unsigned)p->row->map_size);
+    const bool hard = report_is_hard(p->row);
+    const int length = snprintf(text, sizeof text, "%s%s%s %u", hard ? "" : p->row->filter,
+                                hard ? "" : ", ", p->row->method, (unsigned)p->row->map_size);
     const double gap = mark_radius(p->row) + 4, width = (double)LETTER * length;
     for (size_t i = 0; i < 6; i++) {
         const double x = p->x + aside[i][0] * gap, y = p->y + aside[i][1] * (gap + 2);

@@ -49,23 +49,35 @@ static void name_scene(const report_scene_list *list, report_scene *scene) {
         snprintf(scene->name, sizeof scene->name, "%s-%u", stem, number);
 }
 
-static void add_scene(report_scene_list *list, const char *text, bool both_lights) {
+static void add_scene(report_scene_list *list, const char *text, bool both_lights, bool soft) {
     report_scene *scene = append(list);
     if (!scene)
         return;
-    *scene = (report_scene){.both_lights = both_lights};
+    *scene = (report_scene){.both_lights = both_lights, .soft = soft};
     snprintf(scene->text, sizeof scene->text, "%s", text);
     name_scene(list, scene);
 }
 
+static bool is_among(const char *name, const char *const *names) {
+    while (*names && strcmp(*names, name) != 0)
+        names++;
+    return *names != NULL;
+}
+
+/* Scenes whose shadows fall far enough for penumbras. */
+static const char *const soft_scenes[] = {
+    "columns", "island", "tree", "sponza.obj", "japanese_temple.obj", NULL};
+
 static void add_built_in(report_scene_list *list, bool quick) {
-    static const char *const quick_scenes[] = {"columns", "island", "gap", "sphere"};
+    static const char *const quick_scenes[] = {"columns", "island", "gap", "sphere", NULL};
     size_t count;
     const scene_entry *entries = scene_entries(&count);
-    for (size_t i = 0; !quick && i < count; i++)
-        add_scene(list, entries[i].name, true);
-    for (size_t i = 0; quick && i < sizeof quick_scenes / sizeof *quick_scenes; i++)
-        add_scene(list, quick_scenes[i], i == 0);
+    for (size_t i = 0; i < count; i++) {
+        const char *name = entries[i].name;
+        if (!quick || is_among(name, quick_scenes))
+            add_scene(list, name, !quick || strcmp(name, "columns") == 0,
+                      is_among(name, soft_scenes));
+    }
 }
 
 static int compare_texts(const void *a, const void *b) {
@@ -86,7 +98,7 @@ static void add_meshes(report_scene_list *list, const char *path, bool quick) {
             (quick && strcmp(entry->d_name, "dx_crypt.obj") != 0))
             continue;
         if (snprintf(text, sizeof text, "%s/%s", path, entry->d_name) < (int)sizeof text)
-            add_scene(list, text, !quick);
+            add_scene(list, text, !quick, is_among(entry->d_name, soft_scenes));
     }
     closedir(directory);
     if (list->count > first)
@@ -95,23 +107,23 @@ static void add_meshes(report_scene_list *list, const char *path, bool quick) {
 
 report_scene_list report_list_scenes(const report_options *options) {
     report_scene_list list = {0};
-    if (!options->only) {
+    if (!options->operands[0]) {
         add_built_in(&list, options->quick);
         add_meshes(&list, options->meshes, options->quick);
     }
     for (size_t i = 0; options->operands[i]; i++)
-        add_scene(&list, options->operands[i], true);
+        add_scene(&list, options->operands[i], true, true);
     return list;
 }
 
 report_scene_list report_list_main_scenes(const report_options *options) {
     report_scene_list list = {0};
-    if (!options->only) {
-        add_scene(&list, "columns", !options->quick);
-        add_scene(&list, "island", false);
+    if (!options->operands[0]) {
+        add_scene(&list, "columns", !options->quick, false);
+        add_scene(&list, "island", false, false);
     }
     for (size_t i = 0; options->operands[i]; i++)
-        add_scene(&list, options->operands[i], true);
+        add_scene(&list, options->operands[i], true, false);
     return list;
 }
 

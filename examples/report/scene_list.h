@@ -1,4 +1,4 @@
-/* The scenes of a survey: built-in ones, meshes of a directory, and those that the user names. */
+/* The scenes of a survey: those that the user names, or built-in ones and meshes of a directory. */
 #ifndef REPORT_SCENE_LIST_H
 #define REPORT_SCENE_LIST_H
 
@@ -7,7 +7,7 @@
 typedef struct report_scene {
     char text[512]; /* as scene_open takes it */
     char name[64];  /* for rows and files: letters, digits, '-', '_' and '.'; no two are equal */
-    bool both_lights;
+    bool both_lights, soft; /* soft: lights with an extent, too */
 } report_scene;
 
 typedef struct report_scene_list {

@@ -3,6 +3,7 @@
 #include "scenes.h"
 #include "tool.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -33,6 +34,7 @@ bool report_stage_open(shb_context *context, const char *text, const char *name,
 }
 
 void report_stage_close(report_stage *stage) {
+    soft_truth_destroy(&stage->soft);
     measure_frame_destroy(&stage->frame);
     shb_reference_destroy(stage->reference);
     free(stage->image.pixels);
@@ -40,6 +42,52 @@ void report_stage_close(report_stage *stage) {
     *stage = (report_stage){0};
 }
 
-const char *report_light_name(scene_light_kind light) {
-    return light == SCENE_DIRECTIONAL ? "sun" : "spot";
+const char *report_light_name(scene_light_kind kind) {
+    return kind == SCENE_DIRECTIONAL ? "sun" : "spot";
+}
+
+void report_name_light(report_light light, char *name, size_t size) {
+    const char *kind = report_light_name(light.kind);
+    if (light.degrees > 0)
+        snprintf(name, size, "%s-%gdeg", kind, light.degrees);
+    else
+        snprintf(name, size, "%s", kind);
+}
+
+double report_light_width(const example_scene *scene, report_light light) {
+    const scene_light *place = &scene->lights[light.kind];
+    const double distance = light.kind == SCENE_SPOT
+                                ? shb_vec3_length(shb_vec3_subtract(place->source, place->target))
+                                : 1;
+    return 2 * distance * tan(light.degrees * atan(1) / 90);
+}
+
+static bool is_well_inside(const shb_view *view, const float *position) {
+    const double *m = view->clip_from_world.m;
+    double clip[4];
+    for (int row = 0; row < 4; row++)
+        clip[row] = m[row] * (double)position[0] + m[4 + row] * (double)position[1] +
+                    m[8 + row] * (double)position[2] + m[12 + row];
+    return fmax(fabs(clip[0]), fabs(clip[1])) < 0.9 * clip[3];
+}
+
+static void leave_out_border(report_stage *stage, const shb_view *view) {
+    const measure_frame *frame = &stage->frame;
+    for (size_t i = 0; i < frame->fragment_count; i++)
+        if (!is_well_inside(view, frame->positions + 3 * i))
+            stage->soft.mask[frame->pixels[i]] = 0;
+}
+
+shb_result report_stage_soften(report_stage *stage, const shb_view *view, report_light light,
+                               uint32_t samples) {
+    const report_light *latest = &stage->soft_light;
+    if (stage->soft.visibility && latest->kind == light.kind && latest->degrees == light.degrees)
+        return SHB_OK;
+    const shb_area_light area = soft_light(view, report_light_width(stage->scene, light), false);
+    soft_truth_destroy(&stage->soft);
+    stage->soft_light = light;
+    const shb_result result = soft_truth_create(&stage->frame, &area, samples, &stage->soft);
+    if (!result)
+        leave_out_border(stage, view);
+    return result;
 }

@@ -31,7 +31,7 @@ static void end_section(FILE *section) {
 }
 
 static bool is_kept(const char *path, const char *settings) {
-    char head[160], error[256];
+    char head[256], error[256];
     size_t size;
     const int length = snprintf(head, sizeof head, "<!-- %s -->\n", settings);
     char *text = text_file_read(path, &size, error, sizeof error);
@@ -52,10 +52,10 @@ static bool run_study(shb_context *context, const report_options *options, const
     if (!name_file(table_path, options->directory, study, "tsv") ||
         !name_file(section_path, options->directory, study, "html"))
         return tool_succeeds("report", study->name, SHB_ERROR_FILE);
-    if (options->keep && is_kept(section_path, settings))
+    if (!options->fresh && is_kept(section_path, settings))
         return true;
     remove(section_path);
-    if (options->only && study->own_scenes)
+    if (options->operands[0] && study->own_scenes)
         return true;
     FILE *table = fopen(table_path, "w"), *section = fopen(section_path, "w");
     bool done = tool_succeeds("report", table ? section_path : table_path,

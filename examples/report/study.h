@@ -15,8 +15,8 @@ typedef struct report_study {
     bool own_scenes; /* it has scenes of its own and does nothing for those of the user */
 } report_study;
 
-/* Runs all studies; those that the report has of the same settings stay if the options keep rows.
- * False, and a line on stderr, if something fails. */
+/* Runs all studies; those that the report has of the same settings stay unless the options are for
+ * fresh ones. False, and a line on stderr, if something fails. */
 bool report_studies_run(shb_context *context, const report_options *options, const char *settings);
 
 /* All sections that are there, for the page. */

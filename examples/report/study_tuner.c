@@ -123,11 +123,11 @@ static void write_section_row(FILE *section, const tuner_row *row) {
 
 static void write_section_light(FILE *section, const tuned_light *light) {
     fprintf(section,
-            "<h3>%s, %s, map of %u</h3>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
-            "aria-label=\"Constants for %s, %s\">\n<table class=\"plain\">\n<thead><tr><th "
+            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Constants for %s, "
+            "%s\">\n<table class=\"plain\">\n<caption>%s, %s, map of %u</caption>\n<thead><tr><th "
             "class=\"text\" scope=\"col\">smallest setting</th><th class=\"text\" "
             "scope=\"col\">limit</th>",
-            light->scene, light->light, (unsigned)light->map_size, light->scene, light->light);
+            light->scene, light->light, light->scene, light->light, (unsigned)light->map_size);
     for (size_t k = 0; k < COLUMNS; k++)
         fprintf(section, "<th scope=\"col\">%s</th>", columns[k].title);
     fprintf(section, "</tr></thead>\n<tbody>\n");

@@ -29,8 +29,9 @@ static bool is_mean(const report_row *row) {
     return strcmp(row->scene, REPORT_ALL) == 0;
 }
 
-static bool share_pair(const report_row *a, const report_row *b) {
-    return strcmp(a->scene, b->scene) == 0 && strcmp(a->light, b->light) == 0;
+bool report_share_pair(const report_row *a, const report_row *b) {
+    return strcmp(a->scene, b->scene) == 0 && strcmp(a->light, b->light) == 0 &&
+           report_is_hard(a) == report_is_hard(b);
 }
 
 static bool share_method(const report_row *a, const report_row *b) {
@@ -38,12 +39,12 @@ static bool share_method(const report_row *a, const report_row *b) {
            strcmp(a->filter, b->filter) == 0;
 }
 
-size_t report_count_pairs(const report_rows *rows) {
+size_t report_count_pairs(const report_rows *rows, bool hard) {
     size_t count = 0;
     for (size_t i = 0; i < rows->count; i++) {
-        bool seen = is_mean(&rows->rows[i]);
+        bool seen = is_mean(&rows->rows[i]) || report_is_hard(&rows->rows[i]) != hard;
         for (size_t k = 0; !seen && k < i; k++)
-            seen = share_pair(&rows->rows[k], &rows->rows[i]);
+            seen = report_share_pair(&rows->rows[k], &rows->rows[i]);
         count += !seen;
     }
     return count;
@@ -108,7 +109,8 @@ static report_row row_of_means(const report_row *like, const means *m) {
 }
 
 bool report_add_means(report_rows *rows) {
-    const size_t count = rows->count, pairs = report_count_pairs(rows);
+    const size_t count = rows->count;
+    const size_t pairs[2] = {report_count_pairs(rows, false), report_count_pairs(rows, true)};
     bool room = true;
     for (size_t i = 0; room && i < count; i++) {
         means m = {0};
@@ -119,7 +121,7 @@ bool report_add_means(report_rows *rows) {
                 found++;
                 means_add(&m, &rows->rows[k]);
             }
-        if (first != i || found != pairs)
+        if (first != i || found != pairs[report_is_hard(&rows->rows[i])])
             continue;
         const report_row row = row_of_means(&rows->rows[i], &m);
         room = report_rows_add(rows, &row);
@@ -131,7 +133,7 @@ bool report_is_on_front(const report_rows *rows, const report_row *row, report_e
     const double ms = report_row_ms(row), error = error_of(row);
     for (size_t i = 0; i < rows->count; i++) {
         const report_row *other = &rows->rows[i];
-        if (!share_pair(other, row) || report_is_hard(other) != report_is_hard(row))
+        if (!report_share_pair(other, row))
             continue;
         const double other_ms = report_row_ms(other), other_error = error_of(other);
         if (other_ms <= ms && other_error <= error && (other_ms < ms || other_error < error))

@@ -17,7 +17,11 @@ double report_dissimilarity(const report_row *row); /* 1 - structural similarity
 
 bool report_is_hard(const report_row *row);
 
-/* Adds for each filter, method and map size that every scene and light has one row of means: times
+/* Whether rows are of one scene, light and kind. */
+bool report_share_pair(const report_row *a, const report_row *b);
+
+/* Adds for each filter, method and map size that every scene and light of its kind has one row of
+ * means: times
  * are geometric means, everything else arithmetic ones over the rows that have it. False: out of
  * memory. */
 bool report_add_means(report_rows *rows);
@@ -33,7 +37,7 @@ const report_row *report_fastest(const report_rows *rows, bool hard, report_erro
 /* The means with the smallest error, the fastest of them; NULL: none. */
 const report_row *report_most_exact(const report_rows *rows, bool hard, report_error_fn *error_of);
 
-/* Pairs of scene and light, without the means. */
-size_t report_count_pairs(const report_rows *rows);
+/* Pairs of scene and light that have rows of a kind, without the means. */
+size_t report_count_pairs(const report_rows *rows, bool hard);
 
 #endif

@@ -1,9 +1,10 @@
 #include "survey.h"
 
 #include "group.h"
+#include "jobs.h"
+#include "machine_name.h"
 #include "pictures.h"
 #include "progress.h"
-#include "scene_list.h"
 #include "stopwatch.h"
 #include "tool.h"
 
@@ -12,130 +13,171 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* How much work a survey does. */
-typedef struct survey_scale {
-    uint32_t size[2], runs; /* of the picture, pixels */
-    uint32_t map_sizes[4];  /* 0 ends them */
-} survey_scale;
+/* Hard and soft differ in their methods and in the time that they take. */
+typedef struct survey_kind {
+    report_methods methods;
+    double seconds; /* of all groups so far */
+    size_t done, total;
+} survey_kind;
 
 typedef struct survey {
     shb_context *context;
-    const survey_scale *scale;
-    report_methods methods;
+    const report_scale *scale;
+    survey_kind kinds[2]; /* hard, soft */
     const char *settings, *path;
     char pictures[REPORT_PICTURE_PATH];
     report_rows *rows;
     report_row *fresh; /* of one group */
+    report_stage stage;
+    const report_scene *staged; /* whose stage it is; NULL: none */
     progress_line progress;
 } survey;
 
-static const survey_scale *scale_of(const report_options *options) {
-    static const survey_scale full = {{640, 400}, 5, {512, 1024, 2048, 0}};
-    static const survey_scale quick = {{480, 300}, 3, {512, 1024, 0}};
-    return options->quick ? &quick : &full;
-}
-
 void report_settings(const report_options *options, const shb_context *context, char *text,
                      size_t size) {
-    const survey_scale *scale = scale_of(options);
-    snprintf(text, size, "%ux%u pixels, %u runs, %u threads, %s", (unsigned)scale->size[0],
-             (unsigned)scale->size[1], (unsigned)scale->runs,
-             (unsigned)shb_context_threads(context), shb_isa_name(shb_context_isa(context)));
+    const report_scale *scale = report_scale_of(options);
+    char machine[96];
+    report_machine_name(machine, sizeof machine);
+    snprintf(text, size, "%ux%u pixels, %u runs (soft: %u), %u threads, %s, %s",
+             (unsigned)scale->size[0], (unsigned)scale->size[1], (unsigned)scale->runs[0],
+             (unsigned)scale->runs[1], (unsigned)shb_context_threads(context),
+             shb_isa_name(shb_context_isa(context)), machine);
+}
+
+static survey_kind *kind_of(survey *s, const report_job *job) {
+    return &s->kinds[job->light.degrees > 0];
+}
+
+/* Soft shadows have pictures of one map size only, as they are many and large. */
+static report_group group_of(survey *s, const report_job *job) {
+    const bool pictured = job->light.degrees <= 0 || job->map_size == 1024;
+    return (report_group){.scene = job->scene->name,
+                          .light = job->light,
+                          .map_size = job->map_size,
+                          .methods = &kind_of(s, job)->methods,
+                          .runs = s->scale->runs[job->light.degrees > 0],
+                          .samples = s->scale->samples,
+                          .settings = s->settings,
+                          .pictures = pictured ? s->pictures : NULL};
 }
 
 const uint32_t *report_picture_size(const report_options *options) {
-    return scale_of(options)->size;
+    return report_scale_of(options)->size;
 }
 
 /* True if all rows of a group are there. */
 static bool is_complete(const survey *s, const report_group *group) {
-    for (size_t i = 0; i < s->methods.count; i++) {
-        const report_row key = report_group_key(group, &s->methods.methods[i]);
+    for (size_t i = 0; i < group->methods->count; i++) {
+        const report_row key = report_group_key(group, &group->methods->methods[i]);
         if (!report_rows_find(s->rows, &key))
             return false;
     }
     return true;
 }
 
-static void show_progress(survey *s, const report_group *group) {
-    char step[192];
-    progress_line *progress = &s->progress;
-    const double elapsed = stopwatch_seconds() - progress->start;
-    const size_t done = progress->done, rest = progress->total - done;
-    snprintf(step, sizeof step, "%s %s %u, %.0f s left", group->stage->name,
-             report_light_name(group->light), (unsigned)group->map_size,
-             done ? elapsed * (double)rest / (double)done : 0.0);
-    progress_step(progress, step);
+/* By the mean of the groups of each kind that are done; before the first, of the other kind. */
+static double seconds_left(const survey *s) {
+    const survey_kind *hard = &s->kinds[0], *soft = &s->kinds[1];
+    double left = 0;
+    for (int i = 0; i < 2; i++) {
+        const survey_kind *kind = &s->kinds[i], *known = kind->done ? kind : i ? hard : soft;
+        if (known->done)
+            left += (double)(kind->total - kind->done) * known->seconds / (double)known->done;
+    }
+    return left;
 }
 
-static bool add_rows(survey *s) {
-    for (size_t i = 0; i < s->methods.count; i++)
+static void show_progress(survey *s, const report_group *group) {
+    char step[192], light[32], left[32] = "";
+    const double seconds = seconds_left(s);
+    report_name_light(group->light, light, sizeof light);
+    if (seconds >= 90)
+        snprintf(left, sizeof left, ", %.0f min left", seconds / 60);
+    else if (seconds > 0)
+        snprintf(left, sizeof left, ", %.0f s left", seconds);
+    snprintf(step, sizeof step, "%s %s %u%s", group->scene, light, (unsigned)group->map_size, left);
+    progress_step(&s->progress, step);
+}
+
+static bool set_stage(survey *s, const report_scene *scene) {
+    if (s->staged == scene)
+        return true;
+    report_stage_close(&s->stage);
+    s->staged = NULL;
+    if (!report_stage_open(s->context, scene->text, scene->name, s->scale->size, &s->stage))
+        return false;
+    s->staged = scene;
+    return true;
+}
+
+static bool add_rows(survey *s, size_t count) {
+    for (size_t i = 0; i < count; i++)
         if (!report_rows_add(s->rows, &s->fresh[i]))
             return tool_succeeds("report", "rows", SHB_ERROR_MEMORY);
     return tool_succeeds("report", s->path,
-                         report_rows_append(s->fresh, s->methods.count, s->path) ? SHB_OK
-                                                                                 : SHB_ERROR_FILE);
+                         report_rows_append(s->fresh, count, s->path) ? SHB_OK : SHB_ERROR_FILE);
 }
 
-static bool run_group(survey *s, report_stage *stage, scene_light_kind light, uint32_t map_size) {
-    const report_group group = {.stage = stage,
-                                .light = light,
-                                .map_size = map_size,
-                                .methods = &s->methods,
-                                .runs = s->scale->runs,
-                                .settings = s->settings,
-                                .pictures = s->pictures};
+static bool run_job(survey *s, const report_job *job) {
+    const report_group group = group_of(s, job);
+    survey_kind *kind = kind_of(s, job);
+    const double start = stopwatch_seconds();
     show_progress(s, &group);
-    return is_complete(s, &group) ||
-           (tool_succeeds("report", stage->name, report_group_measure(&group, s->fresh)) &&
-            add_rows(s));
-}
-
-static bool run_scene(survey *s, const report_scene *scene) {
-    report_stage stage;
-    bool done = report_stage_open(s->context, scene->text, scene->name, s->scale->size, &stage);
-    for (int light = 0; done && light < (scene->both_lights ? SCENE_LIGHT_KINDS : 1); light++)
-        for (const uint32_t *map_size = s->scale->map_sizes; done && *map_size; map_size++)
-            done = run_group(s, &stage, (scene_light_kind)light, *map_size);
-    report_stage_close(&stage);
+    const bool done =
+        set_stage(s, job->scene) &&
+        tool_succeeds("report", group.scene, report_group_measure(&group, &s->stage, s->fresh)) &&
+        add_rows(s, group.methods->count);
+    kind->seconds += stopwatch_seconds() - start;
+    kind->done++;
     return done;
 }
 
-static size_t count_groups(const survey *s, const report_scene_list *scenes) {
-    size_t lights = 0, sizes = 0;
-    for (size_t i = 0; i < scenes->count; i++)
-        lights += scenes->scenes[i].both_lights ? SCENE_LIGHT_KINDS : 1;
-    while (s->scale->map_sizes[sizes])
-        sizes++;
-    return lights * sizes;
+/* Leaves those that remain to be done. */
+static void drop_complete(survey *s, report_jobs *jobs) {
+    size_t kept = 0;
+    for (size_t i = 0; i < jobs->count; i++) {
+        const report_group group = group_of(s, &jobs->jobs[i]);
+        if (is_complete(s, &group))
+            continue;
+        kind_of(s, &jobs->jobs[i])->total++;
+        jobs->jobs[kept++] = jobs->jobs[i];
+    }
+    jobs->count = kept;
 }
 
-static bool run_scenes(survey *s, const report_scene_list *scenes) {
+static bool run_jobs(survey *s, report_jobs *jobs) {
     bool done = true;
-    progress_begin(&s->progress, count_groups(s, scenes));
-    for (size_t i = 0; done && i < scenes->count; i++)
-        done = run_scene(s, &scenes->scenes[i]);
+    drop_complete(s, jobs);
+    progress_begin(&s->progress, jobs->count);
+    for (size_t i = 0; done && i < jobs->count; i++)
+        done = run_job(s, &jobs->jobs[i]);
     progress_end(&s->progress);
+    report_stage_close(&s->stage);
     return done;
 }
 
 bool report_survey(shb_context *context, const report_options *options, const char *settings,
                    const char *path, report_rows *rows) {
-    survey s = {.context = context,
-                .scale = scale_of(options),
-                .methods = report_list_methods(),
-                .settings = settings,
-                .path = path,
-                .rows = rows};
+    survey s = {
+        .context = context,
+        .scale = report_scale_of(options),
+        .kinds = {{.methods = report_list_methods(false)}, {.methods = report_list_methods(true)}},
+        .settings = settings,
+        .path = path,
+        .rows = rows};
     snprintf(s.pictures, sizeof s.pictures, "%s/pictures", options->directory);
     mkdir(s.pictures, 0777);
     report_scene_list scenes = report_list_scenes(options);
-    s.fresh = calloc(s.methods.count + 1, sizeof *s.fresh);
-    const bool room = s.methods.methods && s.fresh && !scenes.failed;
-    const bool done = tool_succeeds("report", "survey", room ? SHB_OK : SHB_ERROR_MEMORY) &&
-                      run_scenes(&s, &scenes);
+    report_jobs jobs = report_list_jobs(&scenes, s.scale);
+    s.fresh = calloc(s.kinds[0].methods.count + s.kinds[1].methods.count + 1, sizeof *s.fresh);
+    const bool room = s.kinds[0].methods.methods && s.kinds[1].methods.methods && s.fresh &&
+                      jobs.jobs && !scenes.failed;
+    const bool done =
+        tool_succeeds("report", "survey", room ? SHB_OK : SHB_ERROR_MEMORY) && run_jobs(&s, &jobs);
     free(s.fresh);
-    free(s.methods.methods);
+    free(s.kinds[0].methods.methods);
+    free(s.kinds[1].methods.methods);
+    free(jobs.jobs);
     report_scene_list_free(&scenes);
     return done;
 }

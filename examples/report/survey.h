@@ -1,5 +1,4 @@
-/* The whole comparison: which scenes, lights and map sizes, and one group of rows after the other.
- */
+/* The whole comparison, one group of rows after the other. */
 #ifndef REPORT_SURVEY_H
 #define REPORT_SURVEY_H
 
@@ -10,19 +9,19 @@
 #define REPORT_OPERANDS_MAX 64
 
 typedef struct report_options {
-    const char *operands[REPORT_OPERANDS_MAX + 1]; /* scenes of the user; NULL ends them */
+    const char *operands[REPORT_OPERANDS_MAX + 1]; /* scenes of the user, instead of the report's
+                                                      own; NULL ends them */
     const char *directory;                         /* of the report */
     const char *meshes;                            /* directory of further OBJ files */
     uint32_t threads;                              /* 0: all */
-    bool only;                                     /* the user's scenes and no others */
     bool quick;
-    bool keep;           /* rows that are there already, of the same settings */
+    bool fresh;          /* forget rows that are there already */
     uint32_t limit_ppm;  /* of false shadow, for the tuner */
     uint32_t tuned_size; /* of the map that the tuner is for; 0: 1024 */
 } report_options;
 
 /* The settings that rows must share to be compared: size of the picture, runs, threads,
- * instruction set. */
+ * instruction set, processor. */
 void report_settings(const report_options *options, const shb_context *context, char *text,
                      size_t size);
 
