@@ -1,4 +1,4 @@
-/* The exponential function without libm: the same bits everywhere. */
+/* Exponentials and logarithms without libm: the same bits everywhere. */
 #ifndef SRC_EXPONENTIAL_H
 #define SRC_EXPONENTIAL_H
 
@@ -30,6 +30,23 @@ static inline float shb_exponential(float x) {
     float power;
     memcpy(&power, &bits, sizeof power);
     return sum * power;
+}
+
+/* ln x for normal floats above 0, within 2^-22 of the larger of its size and 1.
+ *
+ * x = 2^n m with m from 1 / sqrt 2 to sqrt 2, and ln m = 2 (s + s^3 / 3 + s^5 / 5 + s^7 / 7) for
+ * s = (m - 1) / (m + 1), |s| <= 0.1716, which leaves 2 s^9 / 9 < 2^-24. */
+static inline float shb_logarithm(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    const uint32_t half_root = 0x3f3504f3; /* 1 / sqrt 2 */
+    const int32_t n = (int32_t)(bits - half_root) >> 23;
+    bits -= (uint32_t)n << 23;
+    float m;
+    memcpy(&m, &bits, sizeof m);
+    const float s = (m - 1) / (m + 1), s2 = s * s;
+    const float series = ((1.0f / 7 * s2 + 1.0f / 5) * s2 + 1.0f / 3) * s2 + 1;
+    return 2 * s * series + (float)n * 0.693147181f;
 }
 
 #endif

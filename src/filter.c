@@ -30,6 +30,18 @@ static shb_filter moments(void) {
     return shb_filter_moments(5);
 }
 
+static shb_filter variance_soft(void) {
+    return shb_filter_variance_soft(0.05f, 0.1f);
+}
+
+static shb_filter exponential_variance_soft(void) {
+    return shb_filter_exponential_variance_soft(0.05f, 20, 40, 0);
+}
+
+static shb_filter moments_soft(void) {
+    return shb_filter_moments_soft(0.05f);
+}
+
 static shb_filter backprojection(void) {
     return shb_filter_backprojection(1, 32);
 }
@@ -54,6 +66,15 @@ static const shb_filter_method methods[] = {
      exponential_variance,
      {"size", "positive", "negative", "bleeding"}},
     {"moments", "bound by four moments of distance", moments, {"size"}},
+    {"variance-soft",
+     "variance over kernels as wide as the penumbra",
+     variance_soft,
+     {"light", "bleeding"}},
+    {"exponential-variance-soft",
+     "exponential-variance over such kernels",
+     exponential_variance_soft,
+     {"light", "positive", "negative", "bleeding"}},
+    {"moments-soft", "moments over such kernels", moments_soft, {"light"}},
     {"backprojection",
      "sum of what texels cover of a square light",
      backprojection,

@@ -4,55 +4,67 @@
  * occluders one above the other. The smaller bound counts. */
 #include "strict.h"
 
-#include "moment_map.h"
+#include "moment_soft.h"
+
+#include "exponential.h"
+#include "project.h"
 
 enum { SIZE, POSITIVE, NEGATIVE, BLEEDING };
-
-/* Of the deviation of the receiver's own plane, against what curvature of the warp takes away. */
-#define SPREAD 1.0f
 
 static float magnitude(float value) {
     return value < 0 ? -value : value;
 }
 
+/* The distance that shb_moment_warp takes to this; limited to 0 .. at. */
+static float unwarped(float exponent, float warped, float at) {
+    const float size = exponent > 0 ? warped : -warped;
+    const float largest = shb_exponential(magnitude(exponent) / 2), least = 1 / largest;
+    const float inside = size > least ? (size < largest ? size : largest) : least;
+    const float distance = 0.5f + shb_logarithm(inside) / exponent;
+    return distance < at ? distance : at;
+}
+
 /* Takes the bound of one image. Distances are scaled to the larger of mean and receiver, whose
  * squares may leave the range of floats. */
-static void bound(const shb_moment_image *image, const shb_filter_args *args,
-                  const shb_distance_batch *receiver, float *lit) {
-    const float exponent = image->exponent;
-    shb_moment_batch box;
-    shb_moment_image_sample(image, args->receivers, args->count, &box);
-    for (size_t i = 0; i < args->count; i++) {
-        const float t = shb_moment_warp(exponent, receiver->at[i]), mean = box.at[0][i];
+static void judge_image(const shb_moment_question *question, const shb_moment_batch *box,
+                        float exponent, shb_moment_answer *answer) {
+    const shb_distance_batch *receiver = question->receiver;
+    for (size_t i = 0; i < shb_round_to_lanes(question->count); i++) {
+        const float t = shb_moment_warp(exponent, receiver->at[i]), mean = box->at[0][i];
         const float largest = magnitude(t) > magnitude(mean) ? magnitude(t) : magnitude(mean);
         const float scale = 1 / largest;
         const float error = exponent * receiver->error[i] * (t * scale);
-        const float variance = box.at[1][i] * scale * scale + error * error;
+        const float variance = box->at[1][i] * scale * scale + error * error;
         const float part = shb_chebyshev(t * scale, mean * scale, variance);
-        lit[i] = part < lit[i] ? part : lit[i];
+        if (!(part < answer->lit[i]))
+            continue;
+        const float below = shb_chebyshev_below(t * scale, mean * scale, variance) * largest;
+        answer->lit[i] = part;
+        answer->blocker[i] = unwarped(exponent, below, receiver->at[i]);
     }
 }
 
-static void exponential_variance(const shb_filter_args *args) {
-    const shb_moment_map *moments = args->prepared;
-    const float bleeding = args->filter->params[BLEEDING];
-    shb_distance_batch receiver;
-    shb_moment_receivers(moments, args->receivers, SPREAD, args->count, &receiver);
-    for (size_t i = 0; i < args->count; i++)
-        args->visibility[i] = 1;
-    for (int i = 0; i < moments->image_count; i++)
-        bound(&moments->images[i], args, &receiver, args->visibility);
-    for (size_t i = 0; i < args->count; i++)
-        args->visibility[i] = shb_less_bleeding(args->visibility[i], bleeding);
-    shb_light_outside(args);
+static void judge(const shb_moment_question *question, shb_moment_answer *answer) {
+    for (size_t i = 0; i < shb_round_to_lanes(question->count); i++) {
+        answer->lit[i] = 1;
+        answer->blocker[i] = 1;
+    }
+    judge_image(question, &question->images[0], question->params[POSITIVE], answer);
+    judge_image(question, &question->images[1], -question->params[NEGATIVE], answer);
 }
 
-static shb_result check(const shb_map *map, const shb_filter *filter) {
+static void exponential_variance(const shb_filter_args *args) {
+    shb_moment_map_visibility(args, judge, false, args->filter->params[BLEEDING]);
+}
+
+static void exponential_variance_soft(const shb_filter_args *args) {
+    shb_moment_soft_visibility(args, judge, args->filter->params[BLEEDING]);
+}
+
+static shb_result check_exponents(const shb_map *map, const shb_filter *filter) {
     const float *params = filter->params;
-    shb_result result = shb_filter_check_size(map, filter, params[SIZE]);
-    if (result == SHB_OK)
-        result = shb_filter_check_param(map, filter, "positive", params[POSITIVE], SHB_EXPONENT_MIN,
-                                        SHB_EXPONENT_MAX);
+    shb_result result = shb_filter_check_param(map, filter, "positive", params[POSITIVE],
+                                               SHB_EXPONENT_MIN, SHB_EXPONENT_MAX);
     if (result == SHB_OK)
         result = shb_filter_check_param(map, filter, "negative", params[NEGATIVE], SHB_EXPONENT_MIN,
                                         SHB_EXPONENT_MAX);
@@ -64,7 +76,9 @@ static shb_result check(const shb_map *map, const shb_filter *filter) {
 
 static shb_result prepare(const shb_map *map, const shb_filter *filter, void **prepared,
                           size_t *bytes) {
-    const shb_result result = check(map, filter);
+    shb_result result = shb_filter_check_size(map, filter, filter->params[SIZE]);
+    if (result == SHB_OK)
+        result = check_exponents(map, filter);
     if (result != SHB_OK)
         return result;
     const shb_moment_map plan = {.size = (int)filter->params[SIZE],
@@ -82,4 +96,24 @@ shb_filter shb_filter_exponential_variance(int size, float positive, float negat
                         .release = shb_moment_map_release,
                         .needs = SHB_NEEDS_PREPARED,
                         .params = {(float)size, positive, negative, bleeding}};
+}
+
+static shb_result prepare_soft(const shb_map *map, const shb_filter *filter, void **prepared,
+                               size_t *bytes) {
+    const shb_result result = check_exponents(map, filter);
+    const float *params = filter->params;
+    const shb_moment_soft plan = {.image_count = 2,
+                                  .images = {{.count = 2, .exponent = params[POSITIVE]},
+                                             {.count = 2, .exponent = -params[NEGATIVE]}}};
+    return result ? result : shb_moment_soft_prepare(map, filter, &plan, prepared, bytes);
+}
+
+shb_filter shb_filter_exponential_variance_soft(float light_size, float positive, float negative,
+                                                float bleeding) {
+    return (shb_filter){.name = "exponential-variance-soft",
+                        .filter = exponential_variance_soft,
+                        .prepare = prepare_soft,
+                        .release = shb_moment_soft_release,
+                        .needs = SHB_NEEDS_PREPARED,
+                        .params = {light_size, positive, negative, bleeding}};
 }

@@ -14,15 +14,13 @@
  * of the moments themselves moves D by some units of k. */
 #include "strict.h"
 
-#include "moment_map.h"
+#include "moment_soft.h"
 
 #include <math.h>
 
-enum { SIZE };
+#include "project.h"
 
-/* The receiver is taken nearer by the deviation of its own plane, so that a plane that is all in
- * the light has nothing below it: with s = 0 no weight lies below u <= -1. */
-#define SPREAD 1.0f
+enum { SIZE };
 
 /* Of k; moments are off by a few units of 2^-24. */
 #define ROUNDING 0x1p-19f
@@ -32,41 +30,53 @@ static float weight(float z, float s, float d) {
     return d / (d * (1 + z * z) + off * off);
 }
 
-/* The least part of a distribution of skewness s that lies below u. */
-static float least_below(float u, float s, float d) {
+/* The part of a distribution that lies below u, and the sum of what lies there. */
+typedef struct lower_part {
+    float weight, sum;
+} lower_part;
+
+static lower_part add_below(lower_part below, float z, float u, float s, float d) {
+    const float part = z < u ? weight(z, s, d) : 0;
+    return (lower_part){below.weight + part, below.sum + (z < u ? part * z : 0)};
+}
+
+/* The least part of a distribution of skewness s that lies below u. With s = 0 there is none below
+ * u <= -1, which is where a plane's receiver is that lies nearer by the plane's own deviation. */
+static lower_part least_below(float u, float s, float d) {
     const float q = (u - s) * u - 1;
     const float b = d * u - s * q, c = d - q;
     const float square = b * b - 4 * q * c;
     const float root = sqrtf(square > 0 ? square : 0);
     const float sum = -0.5f * (b + (b < 0 ? -root : root));
-    const float first = sum / q, second = c / sum;
-    const float below = first < u ? weight(first, s, d) : 0;
-    return below + (second < u ? weight(second, s, d) : 0);
+    const lower_part first = add_below((lower_part){0, 0}, sum / q, u, s, d);
+    return add_below(first, c / sum, u, s, d);
 }
 
-static float lit_part(float t, float error, float mean, float variance, float third, float fourth) {
-    const float noise = error * error;
-    const float total = variance + noise;
-    const float all_fourth = fourth + noise * (6 * variance + 3 * noise);
-    const float scale = 1 / sqrtf(total);
-    const float s = third * scale * scale * scale;
-    const float k = all_fourth * scale * scale * scale * scale;
-    const float rest = (k - 1) - s * s, least = ROUNDING * k;
-    const float u = ((t - mean) - error) * scale;
-    const float lit = 1 - least_below(u, s, rest > least ? rest : least);
-    return lit > 0 ? lit : 0;
+static void judge(const shb_moment_question *question, shb_moment_answer *answer) {
+    const shb_distance_batch *receiver = question->receiver;
+    const shb_moment_batch *box = question->images;
+    for (size_t i = 0; i < shb_round_to_lanes(question->count); i++) {
+        const float error = receiver->error[i], noise = error * error;
+        const float mean = box->at[0][i], variance = box->at[1][i];
+        const float fourth = box->at[3][i] + noise * (6 * variance + 3 * noise);
+        const float deviation = sqrtf(variance + noise), scale = 1 / deviation;
+        const float s = box->at[2][i] * scale * scale * scale;
+        const float k = fourth * scale * scale * scale * scale;
+        const float rest = (k - 1) - s * s, least = ROUNDING * k;
+        const float u = ((receiver->at[i] - mean) - error) * scale;
+        const lower_part below = least_below(u, s, rest > least ? rest : least);
+        const float lit = 1 - below.weight;
+        answer->lit[i] = lit > 0 ? lit : 0;
+        answer->blocker[i] = mean + deviation * (below.sum / below.weight);
+    }
 }
 
 static void moments(const shb_filter_args *args) {
-    const shb_moment_map *prepared = args->prepared;
-    shb_distance_batch receiver;
-    shb_moment_batch box;
-    shb_moment_receivers(prepared, args->receivers, SPREAD, args->count, &receiver);
-    shb_moment_image_sample(&prepared->images[0], args->receivers, args->count, &box);
-    for (size_t i = 0; i < args->count; i++)
-        args->visibility[i] = lit_part(receiver.at[i], receiver.error[i], box.at[0][i],
-                                       box.at[1][i], box.at[2][i], box.at[3][i]);
-    shb_light_outside(args);
+    shb_moment_map_visibility(args, judge, false, 0);
+}
+
+static void moments_soft(const shb_filter_args *args) {
+    shb_moment_soft_visibility(args, judge, 0);
 }
 
 static shb_result prepare(const shb_map *map, const shb_filter *filter, void **prepared,
@@ -86,4 +96,19 @@ shb_filter shb_filter_moments(int size) {
                         .release = shb_moment_map_release,
                         .needs = SHB_NEEDS_PREPARED,
                         .params = {(float)size}};
+}
+
+static shb_result prepare_soft(const shb_map *map, const shb_filter *filter, void **prepared,
+                               size_t *bytes) {
+    const shb_moment_soft plan = {.image_count = 1, .images = {{.count = 4}}};
+    return shb_moment_soft_prepare(map, filter, &plan, prepared, bytes);
+}
+
+shb_filter shb_filter_moments_soft(float light_size) {
+    return (shb_filter){.name = "moments-soft",
+                        .filter = moments_soft,
+                        .prepare = prepare_soft,
+                        .release = shb_moment_soft_release,
+                        .needs = SHB_NEEDS_PREPARED,
+                        .params = {light_size}};
 }

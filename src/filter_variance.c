@@ -2,31 +2,40 @@
  * is not a constant here but the square of what rounding and format may do to the distance. */
 #include "strict.h"
 
-#include "moment_map.h"
+#include "moment_soft.h"
+#include "project.h"
 
 enum { SIZE, BLEEDING };
 
-static void variance(const shb_filter_args *args) {
-    const shb_moment_map *moments = args->prepared;
-    const float bleeding = args->filter->params[BLEEDING];
-    shb_distance_batch receiver;
-    shb_moment_batch box;
-    shb_moment_receivers(moments, args->receivers, 0, args->count, &receiver);
-    shb_moment_image_sample(&moments->images[0], args->receivers, args->count, &box);
-    for (size_t i = 0; i < args->count; i++) {
-        const float least = receiver.error[i] * receiver.error[i];
-        const float lit = shb_chebyshev(receiver.at[i], box.at[0][i], box.at[1][i] + least);
-        args->visibility[i] = shb_less_bleeding(lit, bleeding);
+static void judge(const shb_moment_question *question, shb_moment_answer *answer) {
+    const shb_distance_batch *receiver = question->receiver;
+    const shb_moment_batch *box = question->images;
+    for (size_t i = 0; i < shb_round_to_lanes(question->count); i++) {
+        const float t = receiver->at[i], mean = box->at[0][i];
+        const float variance = box->at[1][i] + receiver->error[i] * receiver->error[i];
+        answer->lit[i] = shb_chebyshev(t, mean, variance);
+        answer->blocker[i] = shb_chebyshev_below(t, mean, variance);
     }
-    shb_light_outside(args);
+}
+
+static void variance(const shb_filter_args *args) {
+    shb_moment_map_visibility(args, judge, true, args->filter->params[BLEEDING]);
+}
+
+static void variance_soft(const shb_filter_args *args) {
+    shb_moment_soft_visibility(args, judge, args->filter->params[BLEEDING]);
+}
+
+static shb_result check_bleeding(const shb_map *map, const shb_filter *filter) {
+    return shb_filter_check_param(map, filter, "bleeding", filter->params[BLEEDING], 0,
+                                  SHB_BLEEDING_MAX);
 }
 
 static shb_result prepare(const shb_map *map, const shb_filter *filter, void **prepared,
                           size_t *bytes) {
     shb_result result = shb_filter_check_size(map, filter, filter->params[SIZE]);
     if (result == SHB_OK)
-        result = shb_filter_check_param(map, filter, "bleeding", filter->params[BLEEDING], 0,
-                                        SHB_BLEEDING_MAX);
+        result = check_bleeding(map, filter);
     if (result != SHB_OK)
         return result;
     const shb_moment_map plan = {
@@ -41,4 +50,20 @@ shb_filter shb_filter_variance(int size, float bleeding) {
                         .release = shb_moment_map_release,
                         .needs = SHB_NEEDS_PREPARED,
                         .params = {(float)size, bleeding}};
+}
+
+static shb_result prepare_soft(const shb_map *map, const shb_filter *filter, void **prepared,
+                               size_t *bytes) {
+    const shb_result result = check_bleeding(map, filter);
+    const shb_moment_soft plan = {.image_count = 1, .images = {{.count = 2}}};
+    return result ? result : shb_moment_soft_prepare(map, filter, &plan, prepared, bytes);
+}
+
+shb_filter shb_filter_variance_soft(float light_size, float bleeding) {
+    return (shb_filter){.name = "variance-soft",
+                        .filter = variance_soft,
+                        .prepare = prepare_soft,
+                        .release = shb_moment_soft_release,
+                        .needs = SHB_NEEDS_PREPARED,
+                        .params = {light_size, bleeding}};
 }

@@ -57,30 +57,58 @@ void shb_moment_map_release(const shb_map *map, void *prepared) {
     shb_free(map->context, moments);
 }
 
-/* A plane over a box of n x n texels has the variance (n^2 - 1) / 12 of its square step on each
- * axis; mixing between two texels adds a quarter at most. */
-void shb_moment_receivers(const shb_moment_map *moments, const shb_receivers *receivers,
-                          float spread, size_t count, shb_distance_batch *distances) {
+/* A plane over a kernel of the square width n^2 has the variance n^2 / 12 of its square step on
+ * each axis. */
+void shb_moment_receivers(const shb_distance *distance, const shb_receivers *receivers,
+                          const float *square_widths, size_t count, shb_distance_batch *distances) {
     const shb_receivers *restrict r = receivers;
-    const shb_distance distance = moments->distance;
-    const float side = (float)moments->size;
-    const float factor = spread * spread * (side * side + 2) / 12;
     const size_t lanes = shb_round_to_lanes(count);
     for (size_t i = 0; i < lanes; i++) {
         const float step_x = r->step_x[i], step_y = r->step_y[i];
         const float run = step_x * r->to_center_x[i] + step_y * r->to_center_y[i];
-        const float deviation = sqrtf((step_x * step_x + step_y * step_y) * factor);
+        const float deviation =
+            sqrtf((step_x * step_x + step_y * step_y) * (square_widths[i] / 12));
         const float depth = (r->ref[i] - run) - deviation;
-        distances->at[i] = shb_distance_at(&distance, depth);
-        distances->error[i] = shb_distance_error(&distance, depth);
+        distances->at[i] = shb_distance_at(distance, depth);
+        distances->error[i] = shb_distance_error(distance, depth);
     }
 }
 
-void shb_light_outside(const shb_filter_args *args) {
+/* What lies below bleeding becomes 0, and the rest spans 0 .. 1 again (Lauritzen 2007). */
+static float less_bleeding(float lit, float bleeding) {
+    return lit > bleeding ? (lit - bleeding) / (1 - bleeding) : 0;
+}
+
+void shb_moment_finish(const shb_filter_args *args, float bleeding, const float *lit) {
     const shb_receivers *r = args->receivers;
     const uint32_t width = args->info->width, height = args->info->height;
     for (size_t i = 0; i < args->count; i++) {
         const bool inside = ((uint32_t)r->texel_x[i] < width) & ((uint32_t)r->texel_y[i] < height);
-        args->visibility[i] = inside ? args->visibility[i] : 1;
+        args->visibility[i] = inside ? less_bleeding(lit[i], bleeding) : 1;
     }
+}
+
+/* Mixing between two texels adds a quarter at most to the square of the boxes' width less a
+ * quarter. */
+static void fill_widths(const shb_moment_map *moments, bool steady, float *square_widths) {
+    const float side = (float)moments->size;
+    for (size_t i = 0; i < SHB_BATCH; i++)
+        square_widths[i] = steady ? 0 : side * side + 2;
+}
+
+void shb_moment_map_visibility(const shb_filter_args *args, shb_moment_judge *judge, bool steady,
+                               float bleeding) {
+    const shb_moment_map *moments = args->prepared;
+    SHB_ALIGN float square_widths[SHB_BATCH];
+    shb_distance_batch receiver;
+    shb_moment_batch images[SHB_MOMENT_IMAGES_MAX];
+    shb_moment_answer answer;
+    fill_widths(moments, steady, square_widths);
+    shb_moment_receivers(&moments->distance, args->receivers, square_widths, args->count,
+                         &receiver);
+    for (int i = 0; i < moments->image_count; i++)
+        shb_moment_image_sample(&moments->images[i], args->receivers, args->count, &images[i]);
+    const shb_moment_question question = {args->count, args->filter->params, &receiver, images};
+    judge(&question, &answer);
+    shb_moment_finish(args, bleeding, answer.lit);
 }

@@ -31,13 +31,34 @@ typedef struct shb_distance_batch {
     SHB_ALIGN float error[SHB_BATCH];
 } shb_distance_batch;
 
-/* spread: how many standard deviations of the plane's own depth over the boxes the receiver is
- * taken nearer. */
-void shb_moment_receivers(const shb_moment_map *moments, const shb_receivers *receivers,
-                          float spread, size_t count, shb_distance_batch *distances);
+/* The receiver is taken nearer by the standard deviation of its own plane over a kernel of this
+ * square width, texels. */
+void shb_moment_receivers(const shb_distance *distance, const shb_receivers *receivers,
+                          const float *square_widths, size_t count, shb_distance_batch *distances);
 
-/* Fragments outside the map and those that are not a number are lit. */
-void shb_light_outside(const shb_filter_args *args);
+/* Receivers and the moments around them, one batch for each image of the filter. */
+typedef struct shb_moment_question {
+    size_t count;
+    const float *params; /* of the filter */
+    const shb_distance_batch *receiver;
+    const shb_moment_batch *images;
+} shb_moment_question;
+
+typedef struct shb_moment_answer {
+    SHB_ALIGN float lit[SHB_BATCH]; /* an upper bound of what does not lie in front */
+    float blocker[SHB_BATCH]; /* a mean distance of what does, 0 .. 1; means nothing where all is
+                                 lit */
+} shb_moment_answer;
+
+/* What a filter makes of moments. */
+typedef void shb_moment_judge(const shb_moment_question *question, shb_moment_answer *answer);
+
+/* For shb_filter.filter, over images; steady: the receiver stays where it is. */
+void shb_moment_map_visibility(const shb_filter_args *args, shb_moment_judge *judge, bool steady,
+                               float bleeding);
+
+/* Takes the bleeding away, and lights fragments outside the map and those that are not a number. */
+void shb_moment_finish(const shb_filter_args *args, float bleeding, const float *lit);
 
 /* An upper bound of the part of a distribution that lies at or beyond t, from its mean and
  * variance: Chebyshev's inequality on one side. 1 where t is NaN. */
@@ -46,9 +67,10 @@ static inline float shb_chebyshev(float t, float mean, float variance) {
     return d > 0 ? variance / (variance + d * d) : 1;
 }
 
-/* What lies below bleeding becomes 0, and the rest spans 0 .. 1 again (Lauritzen 2007). */
-static inline float shb_less_bleeding(float lit, float bleeding) {
-    return lit > bleeding ? (lit - bleeding) / (1 - bleeding) : 0;
+/* The mean of what lies below t in a distribution that meets that bound: all of the rest lies at
+ * mean - variance / d. */
+static inline float shb_chebyshev_below(float t, float mean, float variance) {
+    return mean - variance / (t - mean);
 }
 
 #endif

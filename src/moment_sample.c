@@ -4,13 +4,6 @@
 #include "moments.h"
 #include "project.h"
 
-/* Moments of one of the four texels around each fragment, and how far the fragment lies between
- * them, 0 .. 1. */
-typedef struct corners {
-    shb_moment_batch at[4];
-    SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH];
-} corners;
-
 static int32_t clamped(int32_t texel, uint32_t size) {
     const int32_t last = (int32_t)size - 1;
     const int32_t at_least = texel > 0 ? texel : 0;
@@ -19,7 +12,7 @@ static int32_t clamped(int32_t texel, uint32_t size) {
 
 /* The centre of the fragment's own texel lies before or behind it. */
 static void read_corners(const shb_moment_image *image, const shb_receivers *r, size_t lanes,
-                         corners *out) {
+                         shb_moment_corners *out) {
     const size_t count = (size_t)image->count;
     for (size_t i = 0; i < lanes; i++) {
         const float to_x = r->to_center_x[i], to_y = r->to_center_y[i];
@@ -38,14 +31,14 @@ static void read_corners(const shb_moment_image *image, const shb_receivers *r, 
     }
 }
 
-/* 1 - f parts of a and f parts of b, into a. With e = f (1 - f) and d between the means, what the
- * moments about the common mean add up to beyond the mixed ones is
+/* With e = f (1 - f) and d between the means, what the moments about the common mean add up to
+ * beyond the mixed ones is
  *     variance   e d^2
  *     third      3 e d (variance_b - variance_a) + e (1 - 2 f) d^3
  *     fourth     4 e d (third_b - third_a) + 6 e d^2 (f variance_a + (1 - f) variance_b)
  *                + e (1 - 3 e) d^4 */
-static void mix(int count, size_t lanes, const float *restrict f, shb_moment_batch *restrict a,
-                const shb_moment_batch *restrict b) {
+void shb_moment_mix(int count, size_t lanes, const float *restrict f, shb_moment_batch *restrict a,
+                    const shb_moment_batch *restrict b) {
     for (size_t i = 0; i < lanes; i++) {
         const float e = f[i] * (1 - f[i]), d = b->at[0][i] - a->at[0][i], ed = e * d, d2 = d * d;
         const float mean = a->at[0][i] + f[i] * d;
@@ -63,13 +56,17 @@ static void mix(int count, size_t lanes, const float *restrict f, shb_moment_bat
     }
 }
 
+void shb_moment_mix_corners(int count, size_t lanes, shb_moment_corners *corners) {
+    shb_moment_mix(count, lanes, corners->x, &corners->at[0], &corners->at[1]);
+    shb_moment_mix(count, lanes, corners->x, &corners->at[2], &corners->at[3]);
+    shb_moment_mix(count, lanes, corners->y, &corners->at[0], &corners->at[2]);
+}
+
 void shb_moment_image_sample(const shb_moment_image *image, const shb_receivers *receivers,
                              size_t count, shb_moment_batch *moments) {
     const size_t lanes = shb_round_to_lanes(count);
-    corners read;
+    shb_moment_corners read;
     read_corners(image, receivers, lanes, &read);
-    mix(image->count, lanes, read.x, &read.at[0], &read.at[1]);
-    mix(image->count, lanes, read.x, &read.at[2], &read.at[3]);
-    mix(image->count, lanes, read.y, &read.at[0], &read.at[2]);
+    shb_moment_mix_corners(image->count, lanes, &read);
     *moments = read.at[0];
 }

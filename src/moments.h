@@ -43,6 +43,20 @@ typedef struct shb_moment_batch {
     SHB_ALIGN float at[SHB_MOMENTS_MAX][SHB_BATCH];
 } shb_moment_batch;
 
+/* The distributions at the four corners of a cell, and a place in it, 0 .. 1 from the left and from
+ * the top. */
+typedef struct shb_moment_corners {
+    shb_moment_batch at[4]; /* row by row */
+    SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH];
+} shb_moment_corners;
+
+/* 1 - f parts of a and f parts of b, into a. */
+void shb_moment_mix(int count, size_t lanes, const float *restrict f, shb_moment_batch *restrict a,
+                    const shb_moment_batch *restrict b);
+
+/* The mixture at the place, into the first corner. */
+void shb_moment_mix_corners(int count, size_t lanes, shb_moment_corners *corners);
+
 /* The moments between the four texels around each fragment. Those of fragments outside the map mean
  * nothing. */
 void shb_moment_image_sample(const shb_moment_image *image, const shb_receivers *receivers,

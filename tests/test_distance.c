@@ -23,6 +23,20 @@ TEST(exponential_keeps_its_bound_everywhere) {
     CHECK(shb_exponential(-87) >= FLT_MIN);
 }
 
+TEST(logarithm_keeps_its_bound_everywhere) {
+    double worst = 0;
+    for (int i = -870000; i <= 870000; i++) {
+        const float x = (float)exp(i * 1e-4);
+        const double expected = log((double)x), size = fabs(expected);
+        const double error = fabs((double)shb_logarithm(x) - expected) / (size > 1 ? size : 1);
+        worst = error > worst ? error : worst;
+    }
+    CHECK(worst <= 0x1p-22);
+    CHECK(shb_logarithm(1) == 0);
+    CHECK_NEAR(shb_logarithm(FLT_MAX), log((double)FLT_MAX), 1e-5);
+    CHECK_NEAR(shb_logarithm(FLT_MIN), log((double)FLT_MIN), 1e-5);
+}
+
 /* The map's farthest texel is given; the others lie at the near plane. */
 static shb_distance distance_of(shb_view view, shb_format format, float farthest) {
     const float depths[4] = {0, 0, farthest, 0};

@@ -100,8 +100,12 @@ TEST(moments_are_exact_for_one_and_two_depths) {
     CHECK_NEAR(ask(depths, filter, 0, 0.5001), 0, 1e-4);
 }
 
+enum { KINDS = 6 };
+
 static shb_filter filter_of(int index) {
-    static const char *const names[] = {"variance", "exponential-variance", "moments"};
+    static const char *const names[KINDS] = {
+        "variance",      "exponential-variance",      "moments",
+        "variance-soft", "exponential-variance-soft", "moments-soft"};
     shb_filter filter = {0};
     CHECK_INT(shb_filter_parse(names[index], &filter), SHB_OK);
     return filter;
@@ -132,7 +136,7 @@ TEST(boxes_hold_the_far_plane_outside_the_map) {
 
 TEST(nothing_in_front_is_exactly_lit) {
     float depths[SIZE * SIZE];
-    for (int i = 0; i < 12; i++) {
+    for (int i = 0; i < 4 * KINDS; i++) {
         const int reversed = i & 1, spot = i >> 1 & 1;
         const shb_view view = spot ? probe_perspective(reversed) : probe_orthographic(reversed);
         const shb_filter filter = filter_of(i / 4);
@@ -167,7 +171,7 @@ static double ask_without_plane(const depth_map *host, const shb_filter *filter)
 
 TEST(fragments_and_texels_that_are_no_number_are_lit) {
     float depths[SIZE * SIZE];
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < KINDS; i++) {
         const shb_filter filter = filter_of(i);
         fill_halves(depths, 0.25f, 0.25f);
         depth_map host = open_map(depths);

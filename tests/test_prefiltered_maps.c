@@ -10,10 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const texts[] = {"variance", "exponential-variance", "moments",
-                                    "moments:size=63"};
+static const char *const texts[] = {"variance",
+                                    "exponential-variance",
+                                    "moments",
+                                    "variance-soft:light=0.02",
+                                    "exponential-variance-soft:light=0.02",
+                                    "moments-soft:light=0.02",
+                                    "moments:size=63",
+                                    "moments-soft:light=0.1"};
 
-enum { KINDS = sizeof texts / sizeof *texts, POINTS = 700 };
+/* The first ones differ in more than their parameters. */
+enum { KINDS = sizeof texts / sizeof *texts, FILTERS = 6, POINTS = 700 };
 
 static shb_filter filter_of(int kind) {
     shb_filter filter = {0};
@@ -146,13 +153,13 @@ static double darkest_on_plane(const shb_view *view, double slope, const shb_fil
 TEST(tilted_planes_in_the_light_have_no_false_shadow) {
     const double slopes[] = {0, 0.1, 0.5, 1, 1.3};
     for (int i = 0; i < 5; i++)
-        for (int kind = 0; kind < 3; kind++) {
+        for (int kind = 0; kind < FILTERS; kind++) {
             const shb_filter filter = filter_of(kind);
             const shb_view parallel = probe_orthographic(i & 1), spot = probe_perspective(i & 1);
             CHECK(darkest_on_plane(&parallel, slopes[i], &filter) == 1);
             CHECK(darkest_on_plane(&spot, 0.4 * slopes[i], &filter) == 1);
             shb_filter wide = filter;
-            wide.params[0] = 31;
+            wide.params[0] = kind < FILTERS / 2 ? 31 : 0.3f;
             CHECK(darkest_on_plane(&parallel, slopes[i], &wide) == 1);
         }
 }
@@ -161,7 +168,7 @@ TEST(tilted_planes_in_the_light_have_no_false_shadow) {
 TEST(prefiltered_maps_survive_every_lack_of_memory) {
     static float depths[WIDTH * HEIGHT];
     fill_depths(depths);
-    for (int kind = 0; kind < 3; kind++) {
+    for (int kind = 0; kind < FILTERS; kind++) {
         test_allocator memory = {0};
         const shb_context_desc context = {.allocator = test_allocator_hooks(&memory), .threads = 1};
         const shb_map_desc desc = {
@@ -193,11 +200,12 @@ TEST(prefiltered_maps_survive_every_lack_of_memory) {
     }
 }
 
-/* Texels and a border, two or four floats each, and little beside them. */
+/* Texels and a border, two or four floats each, and little beside them; and for kernels of all
+ * widths two whole levels, of a quarter as many boxes each the next, and bounds of depth. */
 TEST(prefiltered_maps_tell_what_they_take) {
     static float depths[WIDTH * HEIGHT];
-    const size_t floats[] = {2, 4, 4};
-    for (int kind = 0; kind < 3; kind++) {
+    const size_t floats[] = {2, 4, 4, 2, 4, 4};
+    for (int kind = 0; kind < FILTERS; kind++) {
         const shb_map_desc desc = {
             .view = probe_orthographic(false), .width = WIDTH, .height = HEIGHT};
         depth_map host = depth_map_open(NULL, &desc, depths);
@@ -206,7 +214,10 @@ TEST(prefiltered_maps_tell_what_they_take) {
         depth_map_prepare(&host, &filter);
         const size_t texels = 4 * floats[kind] * (WIDTH + 2) * (HEIGHT + 2);
         const size_t bytes = shb_map_get_info(host.map)->memory_bytes - before;
-        CHECK(bytes >= texels && bytes < texels + 512);
+        if (kind < FILTERS / 2)
+            CHECK(bytes >= texels && bytes < texels + 512);
+        else
+            CHECK(bytes >= texels / 3 * 7 && bytes < texels / 2 * 5 + 4096);
         depth_map_close(&host);
     }
 }
@@ -234,7 +245,14 @@ TEST(prefiltered_parameters_out_of_range_are_refused) {
                  {"exponential-variance:negative=-1", "negative -1"},
                  {"exponential-variance:size=2", "size 2"},
                  {"exponential-variance:bleeding=2", "bleeding 2"},
-                 {"moments:size=-1", "size -1"}};
+                 {"moments:size=-1", "size -1"},
+                 {"variance-soft:light=0", "light 0"},
+                 {"variance-soft:bleeding=1", "bleeding 1"},
+                 {"exponential-variance-soft:light=-1", "light -1"},
+                 {"exponential-variance-soft:negative=81", "negative 81"},
+                 {"exponential-variance-soft:positive=0", "positive 0"},
+                 {"exponential-variance-soft:bleeding=-1", "bleeding -1"},
+                 {"moments-soft:light=-2", "light -2"}};
     static const float depths[16];
     sentence kept = {{0}};
     const shb_context_desc context = {.log = keep_sentence, .log_user = &kept};
@@ -249,5 +267,7 @@ TEST(prefiltered_parameters_out_of_range_are_refused) {
     shb_filter nan_size = shb_filter_moments(5);
     nan_size.params[0] = NAN;
     CHECK_INT(shb_map_prepare(host.map, &nan_size), SHB_ERROR_ARGUMENT);
+    const shb_filter endless = shb_filter_moments_soft(HUGE_VALF);
+    CHECK_INT(shb_map_prepare(host.map, &endless), SHB_ERROR_ARGUMENT);
     depth_map_close(&host);
 }

@@ -133,6 +133,35 @@ shb_filter shb_filter_exponential_variance(int size, float positive, float negat
  * the box. 16 bytes a texel. Default: size 5. */
 shb_filter shb_filter_moments(int size);
 
+/* The same three as percentage-closer soft shadows, whose blur grows with the penumbra (Yang, Dong,
+ * Feng, Seidel and Kautz 2010; Peters, Muenstermann, Wetzstein and Klein 2017). light_size is the
+ * width of a light parallel to the map, in the units of shb_filter_pcss.
+ * 1. The search takes the kernel that the light spans at the nearest of all depths that could stand
+ *    between, within whole cells of 8 x 8 texels or more. The blockers' mean distance is that of
+ *    what lies in front of the receiver in the distribution that meets the bound.
+ * 2. The answer is the bound over the kernel that the light spans at that distance.
+ * A kernel mixes boxes of two sizes, 2^k texels wide, that lie a quarter of their width apart: its
+ * second moments are those of a box of the width that is asked for, or a little less. It is at
+ * least 2.4 texels wide, at most as wide as boxes that hold the map; where texels are not squares,
+ * its square is the mean of both axes'. Fragments that nothing stands in front of, and those whose
+ * search finds nothing, are lit: exactly 1. In the second stage the receiver is taken nearer by one
+ * standard deviation of its own plane over the kernel, and a plane in the light stays exactly 1 as
+ * long as the kernel lies on it, and that deviation is less than 3 / negative for
+ * exponential-variance-soft. Blockers that lie far apart behind each other count as one at their
+ * mean. shb_map_prepare takes 7/3 of the memory of the filters above. light_size above 0 and
+ * finite. */
+
+/* "variance-soft". Default of tools: light 0.05, bleeding 0.1. */
+shb_filter shb_filter_variance_soft(float light_size, float bleeding);
+
+/* "exponential-variance-soft": the exponential with the smaller bound tells the distance, too.
+ * Default: light 0.05, positive 20, negative 40, bleeding 0. */
+shb_filter shb_filter_exponential_variance_soft(float light_size, float positive, float negative,
+                                                float bleeding);
+
+/* "moments-soft". Default: light 0.05. */
+shb_filter shb_filter_moments_soft(float light_size);
+
 /* Filters by backprojection. They are prepared and serve methods that ask no occluders. The light
  * is a square in the plane of the light's position, parallel to the map and turned as its rows are;
  * light_size is its width in world units, or, for a light at infinity, the width at the distance of
