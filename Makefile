@@ -1,5 +1,5 @@
 # libshadowbias: make, make demo, make check, make bench, make peers,
-#   make stability, make report (QUICK=1), make install.
+#   make stability, make report (QUICK=1), make readme-report, make install.
 #   config=release|debug|sanitize|coverage   V=1 shows the commands   CC=clang   CFLAGS, PREFIX, DESTDIR
 
 CC ?= cc
@@ -123,6 +123,9 @@ stability: $(BUILD)/stability
 report: $(BUILD)/report
 	$(Q)$(BUILD)/report --out $(BUILD)/out/report $(if $(QUICK),--quick)
 
+readme-report: $(BUILD)/report
+	$(Q)$(BUILD)/report --out $(BUILD)/out/report $(if $(QUICK),--quick) --readme README.md
+
 install: $(LIBRARY)
 	$(Q)mkdir -p $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include/shadowbias
 	$(Q)cp $(LIBRARY) $(DESTDIR)$(PREFIX)/lib/
@@ -135,5 +138,5 @@ clean:
 format:
 	$(Q)clang-format -i $$(git ls-files '*.c' '*.h' '*.inl')
 
-.PHONY: all demo soft check bench peers stability report install clean format
+.PHONY: all demo soft check bench peers stability report readme-report install clean format
 -include $(OBJECTS:.o=.d)

@@ -1,6 +1,7 @@
 /* Speed against error, every method on every scene: report --help. */
 #include "arguments.h"
 #include "page.h"
+#include "readme.h"
 #include "study.h"
 #include "study_tuner.h"
 #include "summary.h"
@@ -12,7 +13,8 @@
 
 typedef struct report_command {
     report_options options;
-    const char *tuned; /* a scene for the tuner alone, or NULL */
+    const char *tuned;            /* a scene for the tuner alone, or NULL */
+    const char *readme, *figures; /* a Markdown file for the report in brief, or NULL */
     bool help;
 } report_command;
 
@@ -34,6 +36,10 @@ static bool read_command(int argc, char **argv, report_command *command) {
          &options->limit_ppm, 0, 1000000},
         {"--tune-map", "N", "size of the map that they are for; default 1024", ARGUMENT_COUNT,
          &options->tuned_size, 8, 16384},
+        {"--readme", "FILE", "Markdown file that takes the report in brief between its marks",
+         ARGUMENT_TEXT, &command->readme, 0, 0},
+        {"--figures", "DIR", "directory of the figures of that; default examples/report",
+         ARGUMENT_TEXT, &command->figures, 0, 0},
         {"--threads", "N", "threads; default: all", ARGUMENT_COUNT, &options->threads, 1, 256},
         {"--help", NULL, "this text", ARGUMENT_FLAG, &command->help, 0, 0},
     };
@@ -53,13 +59,13 @@ static bool read_command(int argc, char **argv, report_command *command) {
     return true;
 }
 
-static bool write_page(const report_options *options, const char *settings, report_rows *rows) {
+static bool write_page(const report_options *options, const char *settings,
+                       const report_rows *rows) {
     char path[512], pictures[512];
     snprintf(path, sizeof path, "%s/index.html", options->directory);
     snprintf(pictures, sizeof pictures, "%s/pictures", options->directory);
     const report_page page = {rows, pictures, options->directory, settings};
-    if (!tool_succeeds("report", "means", report_add_means(rows) ? SHB_OK : SHB_ERROR_MEMORY) ||
-        !tool_succeeds("report", path, report_page_write(&page, path) ? SHB_OK : SHB_ERROR_FILE))
+    if (!tool_succeeds("report", path, report_page_write(&page, path) ? SHB_OK : SHB_ERROR_FILE))
         return false;
     printf("the page: %s\n", path);
     return true;
@@ -82,7 +88,8 @@ static bool keep_rows(const report_options *options, const char *settings, const
     return tool_succeeds("report", path, report_rows_replace(rows, path) ? SHB_OK : SHB_ERROR_FILE);
 }
 
-static bool write_report(shb_context *context, report_options *options) {
+static bool write_report(shb_context *context, report_command *command) {
+    report_options *options = &command->options;
     char path[512], settings[192];
     report_rows rows = {0};
     snprintf(path, sizeof path, "%s/report.tsv", options->directory);
@@ -93,7 +100,12 @@ static bool write_report(shb_context *context, report_options *options) {
     if (done)
         printf("%zu rows: %s\n", rows.count, path);
     done = done && report_studies_run(context, options, settings) &&
+           tool_succeeds("report", "means", report_add_means(&rows) ? SHB_OK : SHB_ERROR_MEMORY) &&
            write_page(options, settings, &rows);
+    if (command->readme) {
+        const report_readme readme = {&rows, settings, command->readme, command->figures};
+        done = done && report_readme_write(&readme);
+    }
     report_rows_free(&rows);
     return done;
 }
@@ -110,7 +122,8 @@ static void make_directories(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    report_command command = {.options = {.directory = "build/out/report",
+    report_command command = {.figures = "examples/report",
+                              .options = {.directory = "build/out/report",
                                           .meshes = "../shared/scenes",
                                           .limit_ppm = 100}};
     if (!read_command(argc, argv, &command))
@@ -121,7 +134,7 @@ int main(int argc, char **argv) {
     shb_context *context = tool_create_context("report", command.options.threads, SHB_ISA_BEST);
     const bool done =
         context && (command.tuned ? report_tune(context, &command.options, command.tuned)
-                                  : write_report(context, &command.options));
+                                  : write_report(context, &command));
     shb_context_destroy(context);
     return done ? TOOL_OK : TOOL_FAILED;
 }

@@ -18,7 +18,7 @@ enum {
     LINE = 14,  /* height of a label */
     TICKS_A_DECADE = 3,
     TICKS_REACH = 10 * TICKS_A_DECADE, /* to both sides of 1 */
-    LEGEND = 28                        /* height of the legend, which a page has elsewhere */
+    LEGEND_LINE = 20                   /* of the legend, which a page has elsewhere */
 };
 
 typedef struct point {
@@ -224,16 +224,16 @@ void report_scatter_shape(FILE *stream, report_family family, double x, double y
     }
 }
 
+/* Two lines of two marks. */
 static void write_legend(figure *f) {
-    double x = LEFT;
-    for (int family = 0; family < REPORT_FAMILIES; family++) {
-        const char *name =
-            report_family_name((report_family)family, report_is_hard(f->scatter->pair));
-        fprintf(f->stream, "<g class=\"family-%d\">", family);
-        report_scatter_shape(f->stream, (report_family)family, x, HEIGHT + 8, 5.5);
+    const bool hard = report_is_hard(f->scatter->pair);
+    for (int i = 0; i < REPORT_FAMILIES; i++) {
+        const report_family family = (report_family)i;
+        const double x = LEFT + i % 2 * (WIDTH - LEFT) / 2, y = HEIGHT + 8 + i / 2 * LEGEND_LINE;
+        fprintf(f->stream, "<g class=\"family-%d\">", i);
+        report_scatter_shape(f->stream, family, x, y, 5.5);
         fprintf(f->stream, "</g>\n");
-        write_text(f, "tick", x + 11, HEIGHT + 12, name);
-        x += 30 + 5.8 * (double)strlen(name);
+        write_text(f, "tick", x + 11, y + 4, report_family_name(family, hard));
     }
 }
 
@@ -303,7 +303,7 @@ static void write_style(FILE *stream) {
 }
 
 static void write_frame(figure *f) {
-    const int height = HEIGHT + (f->scatter->alone ? LEGEND : 0);
+    const int height = HEIGHT + (f->scatter->alone ? 2 * LEGEND_LINE + 8 : 0);
     fprintf(f->stream, "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\"", WIDTH,
             height);
     if (f->scatter->alone) {

@@ -25,7 +25,7 @@ bool report_is_hard(const report_row *row) {
     return strcmp(row->filter, "hard") == 0;
 }
 
-static bool is_mean(const report_row *row) {
+bool report_is_mean(const report_row *row) {
     return strcmp(row->scene, REPORT_ALL) == 0;
 }
 
@@ -42,7 +42,7 @@ static bool share_method(const report_row *a, const report_row *b) {
 size_t report_count_pairs(const report_rows *rows, bool hard) {
     size_t count = 0;
     for (size_t i = 0; i < rows->count; i++) {
-        bool seen = is_mean(&rows->rows[i]) || report_is_hard(&rows->rows[i]) != hard;
+        bool seen = report_is_mean(&rows->rows[i]) || report_is_hard(&rows->rows[i]) != hard;
         for (size_t k = 0; !seen && k < i; k++)
             seen = report_share_pair(&rows->rows[k], &rows->rows[i]);
         count += !seen;
@@ -142,24 +142,31 @@ bool report_is_on_front(const report_rows *rows, const report_row *row, report_e
     return !isnan(error);
 }
 
-const report_row *report_fastest(const report_rows *rows, bool hard, report_error_fn *error_of,
-                                 double limit) {
+/* Of the means of a kind that take at most so many milliseconds. */
+static const report_row *least_error(const report_rows *rows, bool hard, report_error_fn *error_of,
+                                     double ms) {
     const report_row *best = NULL;
     for (size_t i = 0; i < rows->count; i++) {
         const report_row *row = &rows->rows[i];
-        if (is_mean(row) && report_is_hard(row) == hard && error_of(row) <= limit &&
-            (!best || report_row_ms(row) < report_row_ms(best)))
+        if (report_is_mean(row) && report_is_hard(row) == hard && report_row_ms(row) <= ms &&
+            (!best || error_of(row) < error_of(best)))
             best = row;
     }
     return best;
 }
 
-const report_row *report_most_exact(const report_rows *rows, bool hard, report_error_fn *error_of) {
-    double least = (double)INFINITY;
+const report_row *report_fastest(const report_rows *rows, bool hard, report_error_fn *error_of,
+                                 double limit) {
+    double ms = (double)INFINITY;
     for (size_t i = 0; i < rows->count; i++) {
         const report_row *row = &rows->rows[i];
-        if (is_mean(row) && report_is_hard(row) == hard && error_of(row) < least)
-            least = error_of(row);
+        if (report_is_mean(row) && report_is_hard(row) == hard && error_of(row) <= limit)
+            ms = fmin(ms, report_row_ms(row));
     }
-    return report_fastest(rows, hard, error_of, least);
+    return isinf(ms) ? NULL : least_error(rows, hard, error_of, 1.1 * ms);
+}
+
+const report_row *report_most_exact(const report_rows *rows, bool hard, report_error_fn *error_of) {
+    const report_row *nearest = least_error(rows, hard, error_of, (double)INFINITY);
+    return nearest ? report_fastest(rows, hard, error_of, error_of(nearest)) : NULL;
 }

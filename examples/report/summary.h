@@ -17,6 +17,9 @@ double report_dissimilarity(const report_row *row); /* 1 - structural similarity
 
 bool report_is_hard(const report_row *row);
 
+/* Whether it is one of those that report_add_means adds. */
+bool report_is_mean(const report_row *row);
+
 /* Whether rows are of one scene, light and kind. */
 bool report_share_pair(const report_row *a, const report_row *b);
 
@@ -30,7 +33,8 @@ bool report_add_means(report_rows *rows);
  * others is as fast and as right, and better in one of the two. */
 bool report_is_on_front(const report_rows *rows, const report_row *row, report_error_fn *error_of);
 
-/* The fastest means whose error is at most the limit; NULL: none. */
+/* The fastest means whose error is at most the limit, or rather the one with the smallest error of
+ * those that take up to a tenth longer, as times differ by as much from run to run; NULL: none. */
 const report_row *report_fastest(const report_rows *rows, bool hard, report_error_fn *error_of,
                                  double limit);
 

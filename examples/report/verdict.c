@@ -3,6 +3,43 @@
 #include "page_table.h"
 #include "summary.h"
 
+static verdict find_hard(const report_rows *rows) {
+    const report_row *clean = report_fastest(rows, true, report_wrong_away, REPORT_CLEAN_PPM);
+    const report_row *nearest = report_most_exact(rows, true, report_wrong_away);
+    verdict v = {.intent = "For hard shadows:",
+                 .other_intent = "In the least time:",
+                 .choice = clean ? clean : nearest,
+                 .other = report_fastest(rows, true, report_wrong_away, REPORT_ROUGH_PPM)};
+    snprintf(
+        v.rule, sizeof v.rule,
+        "The fastest with at most %d, or %d, wrong fragments per million away from boundaries, "
+        "or the most right within a tenth of its time, on the mean over %zu pairs of scene and "
+        "light; every method with its default parameters.",
+        REPORT_CLEAN_PPM, REPORT_ROUGH_PPM, report_count_pairs(rows, true));
+    return v;
+}
+
+static verdict find_soft(const report_rows *rows) {
+    const report_row *nearest = report_most_exact(rows, false, report_rms);
+    verdict v = {
+        .intent = "For soft shadows:", .other_intent = "Nearest to the truth:", .other = nearest};
+    if (nearest)
+        v.choice = report_fastest(rows, false, report_rms, REPORT_SOFT_TIMES * nearest->rms);
+    snprintf(v.rule, sizeof v.rule,
+             "The fastest whose visibility is at most %g times as far from the true soft shadow as "
+             "the nearest of all, or the nearest within a tenth of its time, on the mean over %zu "
+             "pairs of scene and light.",
+             REPORT_SOFT_TIMES, report_count_pairs(rows, false));
+    return v;
+}
+
+verdict report_find_verdict(const report_rows *rows, bool hard) {
+    verdict v = hard ? find_hard(rows) : find_soft(rows);
+    if (v.other == v.choice)
+        v.other = NULL;
+    return v;
+}
+
 static void write_hard_errors(FILE *stream, const report_row *row) {
     char away[32], all[32];
     report_format_number(away, sizeof away, report_wrong_away(row));
@@ -11,69 +48,33 @@ static void write_hard_errors(FILE *stream, const report_row *row) {
             all);
 }
 
-/* "For hard shadows: exact-lists, map of 512. 7.6 ms a picture, 4.0 of them for the map; ..." */
-static void write_choice(FILE *stream, const char *intent, const report_row *row) {
+void report_write_choice(FILE *stream, const char *intent, const report_row *choice,
+                         verdict_marks marks) {
     char ms[32], map[32];
-    const bool hard = report_is_hard(row);
-    report_format_number(ms, sizeof ms, report_row_ms(row));
-    report_format_number(map, sizeof map, row->map_ms);
-    fprintf(stream,
-            "%s <strong>%s%s%s</strong>, map of %u: %s ms a picture, %s of them for the map; ",
-            intent, hard ? "" : row->filter, hard ? "" : " with ", row->method,
-            (unsigned)row->map_size, ms, map);
+    const bool hard = report_is_hard(choice);
+    report_format_number(ms, sizeof ms, report_row_ms(choice));
+    report_format_number(map, sizeof map, choice->map_ms);
+    fprintf(stream, "%s %s%s%s%s%s, map of %u: %s ms a picture, %s of them for the map; ", intent,
+            marks.begin, hard ? "" : choice->filter, hard ? "" : " with ", choice->method,
+            marks.end, (unsigned)choice->map_size, ms, map);
     if (hard)
-        write_hard_errors(stream, row);
+        write_hard_errors(stream, choice);
     else
-        fprintf(stream, "RMS error of visibility %.3f, structural similarity %.3f", row->rms,
-                row->ssim);
+        fprintf(stream, "RMS error of visibility %.3f, structural similarity %.3f", choice->rms,
+                choice->ssim);
     fprintf(stream, ".\n");
 }
 
-static void write_card(FILE *stream, const char *intent, const report_row *choice,
-                       const char *other_intent, const report_row *other, const char *rule) {
-    if (!choice)
+void report_write_verdict(FILE *stream, const report_rows *rows, bool hard) {
+    const verdict_marks strong = {"<strong>", "</strong>"};
+    const verdict v = report_find_verdict(rows, hard);
+    if (!v.choice)
         return;
     fprintf(stream, "<div class=\"verdict\">\n<p>");
-    write_choice(stream, intent, choice);
-    fprintf(stream, "</p>\n");
-    if (other && other != choice) {
-        fprintf(stream, "<p class=\"other\">");
-        write_choice(stream, other_intent, other);
-        fprintf(stream, "</p>\n");
+    report_write_choice(stream, v.intent, v.choice, strong);
+    if (v.other) {
+        fprintf(stream, "</p>\n<p class=\"other\">");
+        report_write_choice(stream, v.other_intent, v.other, strong);
     }
-    fprintf(stream, "<small>%s</small>\n</div>\n", rule);
-}
-
-static void write_hard(FILE *stream, const report_rows *rows) {
-    char rule[320];
-    const report_row *clean = report_fastest(rows, true, report_wrong_away, REPORT_CLEAN_PPM);
-    const report_row *rough = report_fastest(rows, true, report_wrong_away, REPORT_ROUGH_PPM);
-    const report_row *nearest = report_most_exact(rows, true, report_wrong_away);
-    snprintf(
-        rule, sizeof rule,
-        "The fastest with at most %d, or %d, wrong fragments per million away from boundaries, "
-        "on the mean over %zu pairs of scene and light; every method with its default "
-        "parameters.",
-        REPORT_CLEAN_PPM, REPORT_ROUGH_PPM, report_count_pairs(rows, true));
-    write_card(stream, "For hard shadows:", clean ? clean : nearest, "In the least time:", rough,
-               rule);
-}
-
-static void write_soft(FILE *stream, const report_rows *rows) {
-    char rule[320];
-    const report_row *nearest = report_most_exact(rows, false, report_rms);
-    const report_row *fast =
-        nearest ? report_fastest(rows, false, report_rms, REPORT_SOFT_TIMES * nearest->rms) : NULL;
-    snprintf(rule, sizeof rule,
-             "The fastest whose visibility is at most %g times as far from the true soft shadow as "
-             "the nearest of all, on the mean over %zu pairs of scene and light.",
-             REPORT_SOFT_TIMES, report_count_pairs(rows, false));
-    write_card(stream, "For soft shadows:", fast, "Nearest to the truth:", nearest, rule);
-}
-
-void report_write_verdict(FILE *stream, const report_rows *rows, bool hard) {
-    if (hard)
-        write_hard(stream, rows);
-    else
-        write_soft(stream, rows);
+    fprintf(stream, "</p>\n<small>%s</small>\n</div>\n", v.rule);
 }
