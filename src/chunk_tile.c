@@ -5,6 +5,7 @@
 #include "chunk_bin.h"
 #include "chunk_gather.h"
 #include "chunk_whole.h"
+#include "scratch.h"
 
 #include <stdatomic.h>
 
@@ -50,20 +51,35 @@ typedef struct tile_job {
     shb_layers *lanes; /* NULL when tiles are drawn directly */
     float *cells;      /* tile_cells of each lane */
     size_t tile_cells;
+    float
+        *depths; /* tile_depths of each lane, if the lanes are NULL and no image holds the depth */
+    size_t tile_depths;
     atomic_size_t next; /* row of tiles that nobody has begun */
 } tile_job;
 
-/* Kernels work on whole vectors inside of a tile and on one pitch for all layers. */
+/* Bytes from one row of the image to the next. */
+static size_t stride_of(const shb_draw_desc *desc, size_t stride) {
+    return stride ? stride : (size_t)desc->width * 4;
+}
+
+/* The stride of the first image that is wanted. */
+static size_t common_stride(const shb_draw_desc *desc) {
+    return stride_of(desc, desc->depth.texels    ? desc->depth.stride
+                           : desc->second.texels ? desc->second.stride
+                                                 : desc->id_stride);
+}
+
+static bool is_layer(const shb_draw_desc *desc, const shb_depth_image *image) {
+    return !image->texels || (image->format == SHB_FORMAT_FLOAT32 &&
+                              stride_of(desc, image->stride) == common_stride(desc));
+}
+
+/* Kernels work on whole vectors inside of a tile and on one pitch for all layers. A depth that no
+ * image holds takes memory by the pitch. */
 static bool can_draw_directly(const shb_draw_desc *desc) {
-    const size_t row = (size_t)desc->width * 4;
-    const size_t stride = desc->depth.stride ? desc->depth.stride : row;
-    const size_t second_stride = desc->second.stride ? desc->second.stride : row;
-    const size_t id_stride = desc->id_stride ? desc->id_stride : row;
-    return desc->width % 16 == 0 && desc->depth.texels &&
-           desc->depth.format == SHB_FORMAT_FLOAT32 &&
-           (!desc->second.texels ||
-            (desc->second.format == SHB_FORMAT_FLOAT32 && second_stride == stride)) &&
-           (!desc->ids || id_stride == stride);
+    return desc->width % 16 == 0 && is_layer(desc, &desc->depth) && is_layer(desc, &desc->second) &&
+           (!desc->ids || stride_of(desc, desc->id_stride) == common_stride(desc)) &&
+           (desc->depth.texels || common_stride(desc) <= (size_t)desc->width * 8);
 }
 
 /* The least power of two that is not below the value. */
@@ -130,7 +146,8 @@ static void *texel_at(void *texels, size_t stride, const shb_samples *samples) {
                   : NULL;
 }
 
-/* A tile's layers: parts of the images, or the lane's own. */
+/* A tile's layers: parts of the images, or the lane's own. Where no image is to hold the depth, it
+ * has the images' pitch all the same. */
 static shb_layers layers_of(const tile_job *job, size_t lane, shb_samples samples) {
     const shb_draw_desc *desc = job->desc;
     float *const cells = job->cells ? job->cells + lane * job->tile_cells : NULL;
@@ -140,11 +157,12 @@ static shb_layers layers_of(const tile_job *job, size_t lane, shb_samples sample
         layers.cells = cells;
         return layers;
     }
-    const size_t stride = desc->depth.stride ? desc->depth.stride : (size_t)desc->width * 4;
+    const size_t stride = common_stride(desc);
     return (shb_layers){
         .samples = samples,
         .pitch = stride / 4,
-        .nearest = texel_at(desc->depth.texels, stride, &samples),
+        .nearest = desc->depth.texels ? texel_at(desc->depth.texels, stride, &samples)
+                                      : job->depths + lane * job->tile_depths,
         .second = texel_at(desc->second.texels, stride, &samples),
         .ids = texel_at(desc->ids, stride, &samples),
         .cells = cells,
@@ -211,6 +229,19 @@ static void run_lane(void *arg, size_t index) {
             draw_tile(job, index, row * job->bins.columns + column);
 }
 
+/* Room for the depth of as many rows for each lane, if no image holds it. */
+static bool reserve_depths(shb_context *context, tile_job *job, size_t lanes, size_t rows) {
+    if (!job->grid.direct || job->desc->depth.texels)
+        return true;
+    const size_t stride = common_stride(job->desc);
+    shb_buffer *buffer = &context->draw_scratch[SHB_SCRATCH_DEPTHS];
+    if (!shb_buffer_reserve(context, buffer, lanes, rows * stride))
+        return false;
+    job->depths = buffer->data;
+    job->tile_depths = rows * stride / 4;
+    return true;
+}
+
 static bool draw_tiles(shb_context *context, tile_job *job) {
     if (!shb_chunks_bin(context, job->target, job->chunks, job->grid.shape, &job->bins))
         return false;
@@ -220,7 +251,7 @@ static bool draw_tiles(shb_context *context, tile_job *job) {
     const size_t width = (size_t)1 << shape.column_bits, height = (size_t)1 << shape.row_bits;
     job->tile_cells = shb_cells_count(width, height);
     job->cells = shb_cells_reserve(context, lanes, width, height);
-    if (!job->cells)
+    if (!job->cells || !reserve_depths(context, job, lanes, height))
         return false;
     if (!job->grid.direct) {
         job->lanes = shb_layers_reserve(context, job->desc, lanes, width, height);
@@ -233,6 +264,8 @@ static bool draw_tiles(shb_context *context, tile_job *job) {
 }
 
 static bool draw_whole(shb_context *context, tile_job *job) {
+    if (!reserve_depths(context, job, 1, job->desc->height))
+        return false;
     const shb_layers layers = layers_of(job, 0, job->target->samples);
     if (!shb_chunk_whole_draw(context, job->desc, job->chunks, &layers, &job->bins.drawn))
         return false;

@@ -11,6 +11,7 @@ enum {
     SHB_SCRATCH_LANES,     /* description of the tile that each lane draws */
     SHB_SCRATCH_LAYERS,    /* texels of these tiles */
     SHB_SCRATCH_CELLS,     /* bounds of their depth */
+    SHB_SCRATCH_DEPTHS,    /* depth that is drawn beside ids, but not wanted */
     SHB_SCRATCH_VERTICES,  /* vertices in window space */
     SHB_SCRATCH_CHUNKS,
     SHB_SCRATCH_BINS,   /* where each tile's part of a block of chunks ends */

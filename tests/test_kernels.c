@@ -49,8 +49,16 @@ static picture draw_picture(const scene_case *drawn, shb_isa isa, uint32_t threa
     desc.ids = ids_alone;
     CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
     CHECK(memcmp(ids_alone, made.ids, count * 4) == 0);
-    desc.depth = (shb_depth_image){made.unorm16, 0, SHB_FORMAT_UNORM16};
+    memset(ids_alone, 0, count * 4);
+    desc.depth.texels = NULL;
+    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+    CHECK(memcmp(ids_alone, made.ids, count * 4) == 0);
     desc.ids = NULL;
+    desc.second.texels = depth_alone;
+    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+    CHECK(memcmp(depth_alone, made.second, count * 4) == 0);
+    desc.second.texels = NULL;
+    desc.depth = (shb_depth_image){made.unorm16, 0, SHB_FORMAT_UNORM16};
     CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
     free(depth_alone);
     free(ids_alone);
