@@ -5,6 +5,7 @@
 #include "list_triangle.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "clip.h"
 
@@ -194,13 +195,13 @@ static homogeneous plane_of(const local *l) {
 
 /* Writes its elements; returns the bound of its rounding. */
 static double prepare_plane(const shb_list_frame *frame, const local *l, const homogeneous *p,
-                            shb_list_plane *out) {
+                            double out[3]) {
     const double size = fabs(p->z.value);
     const double a = p->x.value / p->z.value, b = p->y.value / p->z.value;
     const double d = p->w.value / p->z.value;
-    out->x = a;
-    out->y = b;
-    out->one = d - a * l->column - b * l->row;
+    out[0] = a;
+    out[1] = b;
+    out[2] = d - a * l->column - b * l->row;
     const double of_plane =
         2 *
         (p->x.error * l->half_x + p->y.error * l->half_y + p->z.error * l->deepest + p->w.error) /
@@ -213,27 +214,23 @@ static double prepare_plane(const shb_list_frame *frame, const local *l, const h
 }
 
 void shb_list_triangle_cut(const shb_list_frame *frame, const double corners[3][3],
-                           shb_list_triangle *triangle, shb_list_plane *plane, shb_list_box *box) {
+                           shb_list_triangle *triangle, shb_list_box *box) {
     const part seen = cut_near(frame, corners);
     *box = seen.count ? box_of(frame, &seen) : SHB_LIST_BOX_NONE;
     if (shb_list_box_is_none(box))
         return;
-    const float nearest = (float)shb_list_level_depth(frame, box->level);
-    *plane = (shb_list_plane){0};
-    *triangle = (shb_list_triangle){.one = {HUGE_VALF, HUGE_VALF, HUGE_VALF, -nearest},
-                                    .margin = HUGE_VALF,
-                                    .bound = HUGE_VALF,
-                                    .clear = HUGE_VALF};
+    *triangle = (shb_list_triangle){
+        .rest = HUGE_VALF, .margin = HUGE_VALF, .bound = HUGE_VALF, .clear = HUGE_VALF};
     local l;
     measure(frame, &seen, &l);
     localise(frame, corners, box, &l);
     const homogeneous p = plane_of(&l);
     if (!(l.least_w > 2 * frame->errors[3] && fabs(p.z.value) > 2 * p.z.error))
         return;
-    shb_list_plane made;
-    const double bound = prepare_plane(frame, &l, &p, &made) * (1 + 0x1p-22);
+    double plane[3];
+    const double bound = prepare_plane(frame, &l, &p, plane) * (1 + 0x1p-22);
     if (!(bound < (double)HUGE_VALF))
         return;
     triangle->bound = (float)bound;
-    *plane = made;
+    memcpy(triangle->plane, plane, sizeof plane);
 }

@@ -2,24 +2,22 @@
  * it, each function with a bound of its rounding.
  *
  * A point has the light's coordinates X, Y (texels) and Z (canonical depth). The barycentric
- * weights of the three corners are linear in X and Y; floats do for them, because a point too near
- * to an edge is left to the ray. How far the point lies behind the triangle's plane is Z plus a
- * linear function, in double. */
+ * weights of the three corners are linear in X and Y; functions of floats do for them, because a
+ * point too near to an edge is left to the ray. How far the point lies behind the triangle's plane
+ * is Z plus a linear function, in double. */
 #ifndef SRC_LIST_TRIANGLE_H
 #define SRC_LIST_TRIANGLE_H
 
 #include "lists_frame.h"
 
-/* What decides for most points that the triangle does not block them: four functions x X + y Y +
- * one, Z added to the last one. */
-enum { SHB_LIST_DEPTH = 3, SHB_LIST_FUNCTIONS = 4 };
-
+/* One cache line: all that most questions read. */
 typedef struct shb_list_triangle {
-    /* The weights plus their margin: where one is negative the point lies outside. The last one:
-     * less the nearest depth, rounded towards the light, in the order of levels. */
-    SHB_ALIGN float x[SHB_LIST_FUNCTIONS];
-    float y[SHB_LIST_FUNCTIONS];
-    float one[SHB_LIST_FUNCTIONS];
+    /* x, y, one: the distance behind the plane is Z + x X + y Y + one */
+    SHB_ALIGN double plane[3];
+    /* x, y, one of the second and third corner's weights plus their margin; where one is negative
+     * the point lies outside */
+    float u[3], v[3];
+    float rest;   /* less both: the first corner's weight plus the margin */
     float margin; /* rounding of the weights. Infinite where nothing is known but the plane: a part
                      of the triangle lies in front of the near plane */
     float bound;  /* rounding of the distance behind the plane, where no weight plus margin is
@@ -27,14 +25,8 @@ typedef struct shb_list_triangle {
     float clear;  /* the same for points of the scene that were rounded to floats */
 } shb_list_triangle;
 
-/* x, y, one: the distance behind is Z + x X + y Y + one. */
-typedef struct shb_list_plane {
-    double x, y, one;
-} shb_list_plane;
-
-static inline double shb_list_behind(const shb_list_plane *plane, double x, double y,
-                                     double depth) {
-    return ((plane->x * x + plane->y * y) + plane->one) + depth;
+static inline double shb_list_behind(const shb_list_triangle *t, double x, double y, double depth) {
+    return ((t->plane[0] * x + t->plane[1] * y) + t->plane[2]) + depth;
 }
 
 /* Where the light sees a triangle: an outward bound. Texels, both ends included; none if the last
@@ -52,6 +44,6 @@ static inline bool shb_list_box_is_none(const shb_list_box *box) {
 /* Prepares a triangle that has a corner in front of the near plane, or one that cannot be
  * projected. */
 void shb_list_triangle_cut(const shb_list_frame *frame, const double corners[3][3],
-                           shb_list_triangle *triangle, shb_list_plane *plane, shb_list_box *box);
+                           shb_list_triangle *triangle, shb_list_box *box);
 
 #endif

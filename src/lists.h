@@ -21,9 +21,6 @@
 #include "reference/ray.h"
 #include "shadowbias/scene.h"
 
-/* Entries are looked at this many at a time; so many more may be read behind the last one. */
-#define SHB_LIST_STEP 4
-
 typedef struct shb_list_cell {
     uint32_t start; /* of its entries, among the tile's; the next cell's is their end */
     float far;      /* points of the scene behind it are in shadow */
@@ -40,13 +37,12 @@ typedef struct shb_lists {
     uint32_t width, height; /* texels */
     uint32_t tile_columns, tile_rows;
     shb_list_tile *tiles;
-    shb_list_cell *cells; /* of each tile row by row, and one for the end */
-    uint32_t *entries;    /* triangles, front to back by their levels */
+    shb_list_cell *cells;    /* of each tile row by row, and one for the end */
+    shb_list_entry *entries; /* of each cell front to back by the levels of their triangles */
     /* by id */
     shb_list_triangle *triangles; /* of those that have entries */
-    shb_list_plane *planes;
-    uint32_t (*corners)[3]; /* vertices */
-    double (*vertices)[3];  /* world */
+    uint32_t (*corners)[3];       /* vertices */
+    double (*vertices)[3];        /* world */
     uint32_t id_count;
     size_t memory_bytes;              /* of all the above */
     shb_buffer memory[SHB_LIST_KEPT]; /* where all the above is */

@@ -27,10 +27,9 @@ static void *reserve(const build *b, size_t number, size_t count, size_t size) {
 static bool reserve_scene(build *b) {
     shb_lists *lists = b->lists;
     lists->triangles = reserve(b, SHB_LIST_TRIANGLES, lists->id_count, sizeof *lists->triangles);
-    lists->planes = reserve(b, SHB_LIST_PLANES, lists->id_count, sizeof *lists->planes);
     lists->corners = reserve(b, SHB_LIST_CORNERS, lists->id_count, sizeof *lists->corners);
     lists->vertices = reserve(b, SHB_LIST_WORLD, b->vertex_count, sizeof *lists->vertices);
-    return lists->triangles && lists->planes && lists->corners && lists->vertices;
+    return lists->triangles && lists->corners && lists->vertices;
 }
 
 static bool load(build *b, shb_list_bins *bins) {
@@ -71,8 +70,7 @@ static size_t memory_of(const build *b, size_t tiles, size_t cells) {
     const shb_lists *lists = b->lists;
     return sizeof *lists + tiles * sizeof *lists->tiles + cells * sizeof *lists->cells +
            b->entries * sizeof *lists->entries +
-           lists->id_count *
-               (sizeof *lists->triangles + sizeof *lists->planes + sizeof *lists->corners) +
+           lists->id_count * (sizeof *lists->triangles + sizeof *lists->corners) +
            b->vertex_count * sizeof *lists->vertices;
 }
 

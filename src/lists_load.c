@@ -137,8 +137,7 @@ static void prepare_alone(const shb_lists *lists, const shb_list_vertex *vertice
         if (isnan(vertices[corners[k]].inverse_w))
             return;
     const shb_triangle triangle = shb_lists_triangle(lists, id);
-    shb_list_triangle_cut(&lists->frame, triangle.corners, &lists->triangles[id],
-                          &lists->planes[id], box);
+    shb_list_triangle_cut(&lists->frame, triangle.corners, &lists->triangles[id], box);
 }
 
 /* Prepares count triangles from id on whose corners are written. */
@@ -147,7 +146,6 @@ static void prepare_lanes(const shb_list_loading *loading, uint32_t id, uint32_t
     const shb_lists *lists = loading->lists;
     shb_list_corners corners;
     shb_list_triangle made[SHB_LIST_LANES];
-    shb_list_plane made_planes[SHB_LIST_LANES];
     shb_list_box made_boxes[SHB_LIST_LANES];
     uint32_t alone = 0;
     for (uint32_t lane = 0; lane < SHB_LIST_LANES; lane++) {
@@ -156,10 +154,9 @@ static void prepare_lanes(const shb_list_loading *loading, uint32_t id, uint32_t
             alone |= 1u << lane;
     }
     const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
-    kernels->prepare(&lists->frame, &corners, made, made_planes, made_boxes);
+    kernels->prepare(&lists->frame, &corners, made, made_boxes);
     for (uint32_t lane = 0; lane < count; lane++) {
         lists->triangles[id + lane] = made[lane];
-        lists->planes[id + lane] = made_planes[lane];
         boxes[id + lane] = made_boxes[lane];
         if (alone >> lane & 1)
             prepare_alone(lists, loading->vertices, id + lane, &boxes[id + lane]);

@@ -1,24 +1,23 @@
-/* Asking lists. Where the bounds of rounding leave a triangle in doubt, because the ray passes an
- * edge, the point lies on the triangle or the light sees it edge-on, the reference's own test of
- * the ray decides. */
+/* Asking lists. Points are asked in groups, step by step, so that the memory of many is on its way
+ * at the same time: where the light sees them, their cells, the entries of these that begin in
+ * front of them, the triangles of those. Where the bounds of rounding leave a triangle in doubt,
+ * because the ray passes an edge, the point lies on the triangle or the light sees it edge-on, the
+ * reference's own test of the ray decides. */
 #include "strict.h"
 
 #include "lists.h"
 
 #include <math.h>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
+enum { GROUP = SHB_LIST_GROUP, RUN = SHB_LIST_RUN };
 
-/* Points that are asked in steps, so that the memory of many is on its way at the same time. */
-enum { GROUP = SHB_LIST_GROUP };
-
-/* What a point that its cell does not decide has to ask. */
-typedef struct question {
-    const uint32_t *entry, *end;
-    uint32_t number; /* of the point, in the group */
-} question;
+/* Points of a group that follow each other in one cell. */
+typedef struct run {
+    const shb_list_entry *entry, *end; /* that are left to ask */
+    float depth;                       /* no open point's is greater but for rounding */
+    uint8_t first;
+    uint8_t open; /* points from the first on that are not in shadow so far, one bit each */
+} run;
 
 /* A group while it is asked. */
 typedef struct inquiry {
@@ -27,9 +26,11 @@ typedef struct inquiry {
     double rounding;
     shb_list_group g;
     size_t count;
-    const shb_list_cell *cells[GROUP]; /* NULL: nothing is near */
-    const uint32_t *entries[GROUP];    /* of the cells' tiles */
-    question questions[GROUP];
+    const shb_list_cell *cells[GROUP];    /* NULL: nothing is near */
+    const shb_list_entry *entries[GROUP]; /* of the cells' tiles */
+    size_t run_count;
+    run runs[GROUP];
+    shb_list_question questions[GROUP * SHB_LIST_STEP];
     double places[3][GROUP]; /* of points that are not where the host has them */
 } inquiry;
 
@@ -46,12 +47,12 @@ static double near_limit(const shb_list_frame *frame, const shb_ray *ray) {
 }
 
 /* The change of the distance behind a plane by the point's own rounding. */
-static double distance_rounding(const inquiry *q, const shb_list_plane *plane, uint32_t number) {
+static double distance_rounding(const inquiry *q, const shb_list_triangle *t, size_t number) {
     const double(*rows)[4] = q->lists->frame.rows;
     double sum = 0;
     for (int i = 0; i < 3; i++) {
-        const double change = (rows[2][i] + plane->x * rows[0][i]) +
-                              (plane->y * rows[1][i] + plane->one * rows[3][i]);
+        const double change = (rows[2][i] + t->plane[0] * rows[0][i]) +
+                              (t->plane[1] * rows[1][i] + t->plane[2] * rows[3][i]);
         sum += fabs(change) * fabs(q->g.world[i][number]);
     }
     return sum * (1 + 0x1p-20) * q->g.inverse_w[number] * q->rounding;
@@ -65,12 +66,12 @@ static bool is_finite(const shb_triangle *triangle) {
     return true;
 }
 
-static uint32_t own_id_of(const inquiry *q, uint32_t number) {
+static uint32_t own_id_of(const inquiry *q, size_t number) {
     return q->own_ids ? q->own_ids[number] : SHB_ID_NONE;
 }
 
 /* Decides a triangle in doubt by the ray. */
-static bool blocks_ray(const inquiry *q, uint32_t id, uint32_t number) {
+static bool blocks_ray(const inquiry *q, uint32_t id, size_t number) {
     const shb_lists *lists = q->lists;
     const double *const *at = q->g.world;
     shb_ray ray;
@@ -89,88 +90,31 @@ static bool blocks_ray(const inquiry *q, uint32_t id, uint32_t number) {
     return shb_ray_is_blocked(&ray, &triangle, is_finite(&own) ? &own : NULL);
 }
 
-/* Decides a triangle that the point's ray meets, or nearly so; inside: it passes no edge. */
-static bool blocks(const inquiry *q, uint32_t id, uint32_t number, bool inside) {
-    const shb_list_triangle *t = &q->lists->triangles[id];
-    const shb_list_plane *plane = &q->lists->planes[id];
+/* Decides a triangle whose plane the point may lie behind. */
+static bool blocks_in_doubt(const inquiry *q, const shb_list_triangle *t, size_t number) {
     const shb_list_group *g = &q->g;
-    const double depth = g->depth[number], scale = g->scale[number];
-    const double behind = shb_list_behind(plane, g->x[number], g->y[number], depth);
-    const double bound = (double)t->bound * scale;
-    const bool is_rounded = q->rounding > 0;
-    const double least = is_rounded ? bound + distance_rounding(q, plane, number) : -bound;
-    if (!(behind > least))
-        return false;
-    if (inside && (is_rounded || behind > (double)t->clear * scale))
-        return true;
-    if (is_rounded && depth - behind < q->lists->frame.near_depth)
-        return false;
-    return blocks_ray(q, id, number);
-}
-
-/* The functions of a triangle at a point. */
-static inline void evaluate(const shb_list_triangle *t, float x, float y, float depth,
-                            float f[SHB_LIST_FUNCTIONS]) {
-    for (int i = 0; i < SHB_LIST_FUNCTIONS; i++)
-        f[i] = (t->x[i] * x + t->y[i] * y) + t->one[i];
-    f[SHB_LIST_DEPTH] += depth;
-}
-
-/* One bit for each of the functions that has a minus sign. */
-static inline uint32_t signs_of(const shb_list_triangle *t, float x, float y, float depth) {
-#if defined(__SSE2__)
-    const __m128 x_part = _mm_mul_ps(_mm_load_ps(t->x), _mm_set1_ps(x));
-    const __m128 y_part = _mm_mul_ps(_mm_load_ps(t->y), _mm_set1_ps(y));
-    const __m128 sum = _mm_add_ps(_mm_add_ps(x_part, y_part), _mm_load_ps(t->one));
-    return (uint32_t)_mm_movemask_ps(_mm_add_ps(sum, _mm_setr_ps(-0.0f, -0.0f, -0.0f, depth)));
-#else
-    float f[SHB_LIST_FUNCTIONS];
-    uint32_t signs = 0;
-    evaluate(t, x, y, depth, f);
-    for (int i = 0; i < SHB_LIST_FUNCTIONS; i++)
-        signs |= (uint32_t)(signbit(f[i]) != 0) << i;
-    return signs;
-#endif
-}
-
-/* The ray passes no edge. */
-static bool is_inside(const shb_list_triangle *t, float x, float y) {
-    float f[SHB_LIST_FUNCTIONS];
-    const float margin = 2 * t->margin;
-    evaluate(t, x, y, 0, f);
-    return (f[0] > margin) & (f[1] > margin) & (f[2] > margin);
-}
-
-/* Entries are looked at a few at a time, because what single ones say cannot be foreseen; those
- * behind the last one are other cells', and their answers are not used. */
-static bool is_blocked(const inquiry *q, const question *asked) {
-    const shb_list_triangle *triangles = q->lists->triangles;
-    const uint32_t number = asked->number, own_id = own_id_of(q, number);
-    const float x = (float)q->g.x[number], y = (float)q->g.y[number];
-    const float depth = (float)q->g.depth[number];
-    for (const uint32_t *entry = asked->entry; entry < asked->end; entry += SHB_LIST_STEP) {
-        const size_t left = (size_t)(asked->end - entry);
-        uint32_t signs = signs_of(&triangles[entry[0]], x, y, depth);
-        for (int i = 1; i < SHB_LIST_STEP && left > 1; i++)
-            signs |= signs_of(&triangles[entry[i]], x, y, depth) << 4 * i;
-        const uint32_t used = left < SHB_LIST_STEP ? (1u << 4 * left) - 1 : 0xffff;
-        uint32_t met = ~(signs | signs >> 1 | signs >> 2 | signs >> 3) & used & 0x1111;
-        for (; met; met &= met - 1) {
-            const uint32_t id = entry[__builtin_ctz(met) / 4];
-            if (id != own_id && blocks(q, id, number, is_inside(&triangles[id], x, y)))
-                return true;
-        }
-        if (signs & 0x8888)
+    if (q->rounding > 0) {
+        const double behind = shb_list_behind(t, g->x[number], g->y[number], g->depth[number]);
+        if (g->depth[number] - behind < q->lists->frame.near_depth)
             return false;
     }
-    return false;
+    return blocks_ray(q, (uint32_t)(t - q->lists->triangles), (uint32_t)number);
 }
 
-/* A point outside the scene is rounded too much for the functions: all triangles are in doubt. */
-static bool is_blocked_outside(const inquiry *q, const question *asked) {
-    for (const uint32_t *entry = asked->entry; entry < asked->end; entry++)
-        if (*entry != own_id_of(q, asked->number) && blocks(q, *entry, asked->number, false))
+/* A point outside the scene is rounded too much for the weights: all triangles are in doubt. */
+static bool is_blocked_outside(const inquiry *q, size_t number) {
+    const shb_list_cell *cell = q->cells[number];
+    const shb_list_group *g = &q->g;
+    const uint32_t own_id = own_id_of(q, number);
+    for (uint32_t i = cell[0].start; i < cell[1].start; i++) {
+        const uint32_t id = q->entries[number][i].triangle;
+        const shb_list_triangle *t = &q->lists->triangles[id];
+        const double behind = shb_list_behind(t, g->x[number], g->y[number], g->depth[number]);
+        const double bound = (double)t->bound * g->scale[number];
+        const double least = q->rounding > 0 ? bound + distance_rounding(q, t, number) : -bound;
+        if (id != own_id && behind > least && blocks_in_doubt(q, t, number))
             return true;
+    }
     return false;
 }
 
@@ -226,44 +170,107 @@ static void find_cells(inquiry *q) {
     }
 }
 
-/* Answers the points that their cells decide; returns how many questions are left. */
-static size_t ask_cells(inquiry *q, float *visibility) {
-    size_t left = 0;
+static void start_run(inquiry *q, size_t point) {
+    const shb_list_cell *cell = q->cells[point];
+    run *r = &q->runs[q->run_count++];
+    *r = (run){.entry = q->entries[point] + cell[0].start,
+               .end = q->entries[point] + cell[1].start,
+               .depth = -HUGE_VALF,
+               .first = (uint8_t)(point < GROUP - RUN ? point : GROUP - RUN)};
+    __builtin_prefetch(r->entry);
+    __builtin_prefetch(r->entry + SHB_LIST_STEP - 1);
+}
+
+/* Answers the points that their cells decide; the others become runs. */
+static void ask_cells(inquiry *q, float *visibility) {
+    const shb_list_cell *last = NULL; /* of the latest run */
+    q->run_count = 0;
     for (size_t i = 0; i < q->count; i++) {
         const shb_list_cell *cell = q->cells[i];
         visibility[i] = 1;
-        if (!cell)
+        if (!cell || cell[0].start == cell[1].start)
             continue;
-        if (q->g.depth[i] > (double)cell->far && q->g.scale[i] == 1) {
+        if (q->g.scale[i] > 1) {
+            visibility[i] = is_blocked_outside(q, i) ? 0.0f : 1.0f;
+            continue;
+        }
+        if (q->g.depth[i] > (double)cell->far) {
             visibility[i] = 0;
             continue;
         }
-        const uint32_t start = cell[0].start, end = cell[1].start;
-        q->questions[left] = (question){q->entries[i] + start, q->entries[i] + end, (uint32_t)i};
-        __builtin_prefetch(q->entries[i] + start);
-        left += start < end;
+        if (cell != last || i - q->runs[q->run_count - 1].first >= RUN)
+            start_run(q, i);
+        last = cell;
+        run *r = &q->runs[q->run_count - 1];
+        const float depth = (float)q->g.depth[i];
+        r->depth = depth > r->depth ? depth : r->depth;
+        r->open = (uint8_t)(r->open | 1u << (i - r->first));
     }
-    return left;
 }
 
-static void fetch_triangles(const inquiry *q, const question *asked) {
-    const int count = asked->end - asked->entry > 1 ? SHB_LIST_STEP : 1;
-    for (int i = 0; i < count; i++)
-        __builtin_prefetch(&q->lists->triangles[asked->entry[i]]);
-    __builtin_prefetch(&q->lists->planes[asked->entry[0]]);
+/* Makes questions of the next entries of all runs; returns how many. */
+static size_t take_entries(inquiry *q, const shb_list_kernels *kernels) {
+    size_t count = 0;
+    for (size_t i = 0; i < q->run_count; i++) {
+        run *r = &q->runs[i];
+        const size_t left = (size_t)(r->end - r->entry);
+        const shb_list_question like = {.run = (uint8_t)i, .first = r->first, .asked = r->open};
+        count += kernels->take(r->entry, left, r->depth, &like, q->questions + count);
+        r->entry += left < SHB_LIST_STEP ? left : SHB_LIST_STEP;
+    }
+    return count;
+}
+
+/* The points of a run that a triangle blocks. */
+static uint32_t blocked_of(const inquiry *q, const shb_list_question *answered) {
+    const uint32_t open = q->runs[answered->run].open;
+    uint32_t blocked = answered->asked & open;
+    const shb_list_triangle *t = &q->lists->triangles[answered->triangle];
+    uint32_t doubt = answered->doubt & open;
+    if (q->own_ids)
+        for (uint32_t bits = blocked | doubt; bits; bits &= bits - 1) {
+            const uint32_t bit = bits & -bits;
+            const size_t number = answered->first + (size_t)__builtin_ctz(bits);
+            if (answered->triangle == q->own_ids[number]) {
+                blocked &= ~bit;
+                doubt &= ~bit;
+            }
+        }
+    for (; doubt; doubt &= doubt - 1)
+        if (blocks_in_doubt(q, t, answered->first + (size_t)__builtin_ctz(doubt)))
+            blocked |= doubt & -doubt;
+    return blocked;
+}
+
+static void settle(inquiry *q, const shb_list_question *answered, float *visibility) {
+    const uint32_t blocked = blocked_of(q, answered);
+    q->runs[answered->run].open &= (uint8_t)~blocked;
+    for (uint32_t bits = blocked; bits; bits &= bits - 1)
+        visibility[answered->first + __builtin_ctz(bits)] = 0;
+}
+
+/* Drops runs that have nothing left to ask or to be asked. */
+static void keep_open_runs(inquiry *q) {
+    size_t kept = 0;
+    for (size_t i = 0; i < q->run_count; i++) {
+        const run *r = &q->runs[i];
+        q->runs[kept] = *r;
+        kept += r->open && r->entry < r->end;
+    }
+    q->run_count = kept;
 }
 
 static void ask_group(inquiry *q, float *visibility) {
-    shb_list_kernels_of(q->lists->context->isa)->locate(&q->lists->frame, &q->g);
+    const shb_lists *lists = q->lists;
+    const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
+    kernels->locate(&lists->frame, &q->g);
     find_cells(q);
-    const size_t left = ask_cells(q, visibility);
-    for (size_t k = 0; k < left; k++)
-        fetch_triangles(q, &q->questions[k]);
-    for (size_t k = 0; k < left; k++) {
-        const question *asked = &q->questions[k];
-        const bool is_near = q->g.scale[asked->number] == 1;
-        if ((is_near ? is_blocked : is_blocked_outside)(q, asked))
-            visibility[asked->number] = 0;
+    for (ask_cells(q, visibility); q->run_count; keep_open_runs(q)) {
+        const size_t asked = take_entries(q, kernels);
+        const size_t answered = kernels->answer(&lists->frame, lists->triangles, &q->g, q->rounding,
+                                                q->questions, asked);
+        for (size_t i = 0; i < answered; i++)
+            settle(q, &q->questions[i], visibility);
     }
 }
 

@@ -8,7 +8,6 @@ enum {
     SHB_LIST_CELLS,
     SHB_LIST_ENTRIES,
     SHB_LIST_TRIANGLES,
-    SHB_LIST_PLANES,
     SHB_LIST_CORNERS,
     SHB_LIST_WORLD, /* vertices */
     SHB_LIST_KEPT,  /* how many these are */

@@ -100,9 +100,9 @@ static void write_entries(const shb_lists *lists, const shb_list_tile *tile,
         sum += cover->counts[from];
     }
     cells[count] = (shb_list_cell){.start = sum};
-    uint32_t *entries = lists->entries + tile->first_entry;
+    shb_list_entry *entries = lists->entries + tile->first_entry;
     for (size_t i = 0; i < cover->pair_count; i++)
-        entries[next[cover->pairs[i].cell]++] = cover->pairs[i].triangle;
+        entries[next[cover->pairs[i].cell]++] = cover->pairs[i].entry;
 }
 
 static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *keys) {
@@ -156,7 +156,7 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
                     .keys = scratch[SHB_LIST_KEYS].data};
     for (size_t i = 0; i < lanes; i++) {
         job.covers[i].triangles = lists->triangles;
-        job.covers[i].planes = lists->planes;
+        job.covers[i].frame = &lists->frame;
         job.covers[i].boxes = bins->boxes;
         job.covers[i].pairs = (shb_list_pair *)scratch[SHB_LIST_PAIRS].data + i * pairs;
         job.covers[i].pair_capacity = pairs;

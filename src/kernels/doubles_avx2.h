@@ -56,5 +56,11 @@ static inline wd wd_where_greater(wd a, wd b, wd yes, wd no) {
 static inline wd wd_where_equal(wd a, wd b, wd yes, wd no) {
     return _mm256_blendv_pd(no, yes, _mm256_cmp_pd(a, b, _CMP_EQ_OQ));
 }
+static inline wd wd_abs(wd v) {
+    return _mm256_andnot_pd(_mm256_set1_pd(-0.0), v);
+}
+static inline uint32_t wd_greater_bits(wd a, wd b) {
+    return (uint32_t)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
+}
 
 #endif

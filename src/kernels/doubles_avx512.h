@@ -51,5 +51,11 @@ static inline wd wd_where_greater(wd a, wd b, wd yes, wd no) {
 static inline wd wd_where_equal(wd a, wd b, wd yes, wd no) {
     return _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_EQ_OQ), no, yes);
 }
+static inline wd wd_abs(wd v) {
+    return _mm512_abs_pd(v);
+}
+static inline uint32_t wd_greater_bits(wd a, wd b) {
+    return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
+}
 
 #endif

@@ -50,5 +50,12 @@ static inline wd wd_where_greater(wd a, wd b, wd yes, wd no) {
 static inline wd wd_where_equal(wd a, wd b, wd yes, wd no) {
     return vbslq_f64(vceqq_f64(a, b), yes, no);
 }
+static inline wd wd_abs(wd v) {
+    return vabsq_f64(v);
+}
+static inline uint32_t wd_greater_bits(wd a, wd b) {
+    const uint64x2_t greater = vcgtq_f64(a, b);
+    return (uint32_t)((vgetq_lane_u64(greater, 0) & 1) | (vgetq_lane_u64(greater, 1) & 2));
+}
 
 #endif

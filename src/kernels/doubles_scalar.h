@@ -54,5 +54,12 @@ static inline wd wd_where_greater(wd a, wd b, wd yes, wd no) {
 static inline wd wd_where_equal(wd a, wd b, wd yes, wd no) {
     return a == b ? yes : no;
 }
+static inline wd wd_abs(wd v) {
+    return fabs(v);
+}
+/* Bit i: lane i of a is greater. */
+static inline uint32_t wd_greater_bits(wd a, wd b) {
+    return a > b;
+}
 
 #endif

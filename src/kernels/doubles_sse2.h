@@ -52,5 +52,11 @@ static inline wd wd_where_equal(wd a, wd b, wd yes, wd no) {
     const wd mask = _mm_cmpeq_pd(a, b);
     return _mm_or_pd(_mm_and_pd(mask, yes), _mm_andnot_pd(mask, no));
 }
+static inline wd wd_abs(wd v) {
+    return _mm_andnot_pd(_mm_set1_pd(-0.0), v);
+}
+static inline uint32_t wd_greater_bits(wd a, wd b) {
+    return (uint32_t)_mm_movemask_pd(_mm_cmpgt_pd(a, b));
+}
 
 #endif

@@ -1,14 +1,14 @@
-/* The loops of building lists for one instruction set: plain loops over lanes, which the compiler
- * makes vectors of. The including file has chosen the target and defined LIST_KERNELS, the name of
- * the table.
+/* The loops of building lists and asking them for one instruction set: plain loops over lanes,
+ * which the compiler makes vectors of. The including file has chosen the target and defined
+ * LIST_KERNELS, the name of the table.
  *
  * Bounds. Let d bound the rounding of a corner's and of a point's X and Y together, and L the sizes
  * of the triangle's box. Twice the area of the triangle is then known within 2 d L, and so is the
  * part of it that is a weight times the area at a point in or near the box. While the area is known
  * to a half, a weight is off by no more than 6 d L / area; and where the area is not known at all a
- * point inside has no weight below -6 d L / area either. Evaluating a weight in floats adds
- * 2^-21 (1 + sum of sizes): its elements are rounded, and X, Y, two products and sums each, the
- * third weight is a difference of two.
+ * point inside has no weight below -6 d L / area either. Elements rounded to floats, and
+ * cells that are asked in floats, add 2^-21 (1 + sum of sizes): X, Y, two products and sums each,
+ * and the first weight is 1 less two others.
  *
  * The plane's distance at a point of weights b_k moves by sum b_k (dz + |slope x| dx + |slope y|
  * dy) with its corners and by as much with the point, as long as the area is known well. Rounding
@@ -43,8 +43,8 @@ static inline float list_maxf(float a, float b) {
 /* The results of prepare, lane by lane. */
 typedef struct prepared {
     SHB_ALIGN double plane[3][LIST_LANES];
-    float x[3][LIST_LANES], y[3][LIST_LANES], one[3][LIST_LANES];
-    float margin[LIST_LANES], bound[LIST_LANES], clear[LIST_LANES], nearest[LIST_LANES];
+    float u[3][LIST_LANES], v[3][LIST_LANES], rest[LIST_LANES];
+    float margin[LIST_LANES], bound[LIST_LANES], clear[LIST_LANES];
     int32_t first_column[LIST_LANES], first_row[LIST_LANES];
     int32_t last_column[LIST_LANES], last_row[LIST_LANES], level[LIST_LANES];
 } prepared;
@@ -89,7 +89,6 @@ static void bound_triangles(const shb_list_frame *frame, const shb_list_corners 
         out->last_row[i] = seen ? (int32_t)list_min(list_max(hi_y + 4 * y, 0), height - 1) : 0;
         const double level = ((lo_z - 4 * z) - frame->level_origin) * frame->levels;
         out->level[i] = (int32_t)list_min(list_max(level, 0), SHB_LIST_LEVELS - 1);
-        out->nearest[i] = (float)shb_list_level_depth(frame, (double)out->level[i]);
     }
 }
 
@@ -140,33 +139,30 @@ static void prepare_planes(const shb_list_frame *frame, const shb_list_corners *
         out->bound[i] = known ? ROUNDED_UP(bound) : HUGE_VALF;
         out->clear[i] = known ? ROUNDED_UP(clear) : HUGE_VALF;
         const int usable = margin < 0x1p90;
-        const double outwards = usable ? margin : (double)HUGE_VALF;
-        out->x[0][i] = usable ? (float)-(ux + vx) : 0.0f;
-        out->y[0][i] = usable ? (float)-(uy + vy) : 0.0f;
-        out->one[0][i] = (float)((usable ? (1 - u_one) - v_one : 0) + outwards);
-        out->x[1][i] = usable ? (float)ux : 0.0f;
-        out->y[1][i] = usable ? (float)uy : 0.0f;
-        out->one[1][i] = (float)((usable ? u_one : 0) + outwards);
-        out->x[2][i] = usable ? (float)vx : 0.0f;
-        out->y[2][i] = usable ? (float)vy : 0.0f;
-        out->one[2][i] = (float)((usable ? v_one : 0) + outwards);
+        out->u[0][i] = usable ? (float)ux : 0.0f;
+        out->u[1][i] = usable ? (float)uy : 0.0f;
+        out->u[2][i] = usable ? (float)(u_one + margin) : 0.0f;
+        out->v[0][i] = usable ? (float)vx : 0.0f;
+        out->v[1][i] = usable ? (float)vy : 0.0f;
+        out->v[2][i] = usable ? (float)(v_one + margin) : 0.0f;
+        out->rest[i] = usable ? ROUNDED_UP(1 + 3 * margin) : HUGE_VALF;
         out->margin[i] = usable ? ROUNDED_UP(margin) : HUGE_VALF;
     }
 }
 
 static void prepare_triangles(const shb_list_frame *frame, const shb_list_corners *corners,
                               shb_list_triangle triangles[LIST_LANES],
-                              shb_list_plane planes[LIST_LANES], shb_list_box boxes[LIST_LANES]) {
+                              shb_list_box boxes[LIST_LANES]) {
     list_spread spread;
     prepared made;
     bound_triangles(frame, corners, &spread, &made);
     prepare_planes(frame, corners, &spread, &made);
     for (int i = 0; i < LIST_LANES; i++) {
-        planes[i] = (shb_list_plane){made.plane[0][i], made.plane[1][i], made.plane[2][i]};
         triangles[i] = (shb_list_triangle){
-            .x = {made.x[0][i], made.x[1][i], made.x[2][i], 0},
-            .y = {made.y[0][i], made.y[1][i], made.y[2][i], 0},
-            .one = {made.one[0][i], made.one[1][i], made.one[2][i], -made.nearest[i]},
+            .plane = {made.plane[0][i], made.plane[1][i], made.plane[2][i]},
+            .u = {made.u[0][i], made.u[1][i], made.u[2][i]},
+            .v = {made.v[0][i], made.v[1][i], made.v[2][i]},
+            .rest = made.rest[i],
             .margin = made.margin[i],
             .bound = made.bound[i],
             .clear = made.clear[i],
@@ -188,33 +184,36 @@ typedef struct cell_functions {
 
 static inline cell_functions cell_functions_of(const shb_list_cover *cover, uint32_t number) {
     const shb_list_triangle *t = &cover->triangles[number];
-    const shb_list_plane *plane = &cover->planes[number];
     const float column = (float)cover->column, row = (float)cover->row;
     const float size = (float)(1 << cover->cell_bits);
+    const float weights[3][3] = {{-(t->u[0] + t->v[0]), -(t->u[1] + t->v[1]), 0},
+                                 {t->u[0], t->u[1], t->u[2]},
+                                 {t->v[0], t->v[1], t->v[2]}};
     cell_functions f;
     for (int k = 0; k < 3; k++) {
-        const float x = t->x[k], y = t->y[k];
-        const float one = ((x * column + y * row) + t->one[k]) + t->margin;
+        const float x = weights[k][0], y = weights[k][1];
+        const float first = k ? weights[k][2] : (t->rest - t->u[2]) - t->v[2];
+        const float one = ((x * column + y * row) + first) + t->margin;
         f.x[k] = x;
         f.y[k] = y;
         f.best[k] = one + size * (list_maxf(x, 0) + list_maxf(y, 0));
         f.worst[k] = -size * (fabsf(x) + fabsf(y)) - 4 * t->margin;
     }
-    const double depth = -shb_list_behind(plane, (double)cover->column, (double)cover->row, 0);
-    const float z = (float)depth, x = (float)-plane->x, y = (float)-plane->y;
+    const double depth = -shb_list_behind(t, (double)cover->column, (double)cover->row, 0);
+    const float z = (float)depth, x = (float)-t->plane[0], y = (float)-t->plane[1];
     const float rounding = 0x1p-21f * (fabsf(z) + SHB_LIST_TILE * (fabsf(x) + fabsf(y)));
     f.slope_x = x;
     f.slope_y = y;
     f.begin = z + size * (list_minf(x, 0) + list_minf(y, 0)) - rounding - t->bound;
     f.end = z + size * (list_maxf(x, 0) + list_maxf(y, 0)) + rounding + t->clear;
-    f.nearest = -t->one[SHB_LIST_DEPTH];
+    f.nearest = (float)shb_list_level_depth(cover->frame, (double)cover->boxes[number].level);
     return f;
 }
 
 /* The cells of a block that a triangle goes into, one bit each; x, y: the block's corner. */
 static inline uint32_t cover_block(const cell_functions *f, float x, float y,
                                    const float *restrict lane_x, const float *restrict lane_y,
-                                   float *restrict far) {
+                                   float *restrict far, float *restrict begins) {
     static const uint32_t bit[LIST_LANES] = {1,       1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
                                              1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
                                              1 << 12, 1 << 13, 1 << 14, 1 << 15};
@@ -229,6 +228,7 @@ static inline uint32_t cover_block(const cell_functions *f, float x, float y,
         const int goes = (u >= 0) & (v >= 0) & (w >= 0) & !(begin > far[i]);
         const int covers = (u + f->worst[0] >= 0) & (v + f->worst[1] >= 0) &
                            (w + f->worst[2] >= 0) & (end < far[i]);
+        begins[i] = begin;
         bits |= goes ? bit[i] : 0;
         far[i] = covers ? end : far[i];
     }
@@ -249,13 +249,13 @@ enum { LIST_AHEAD = 8 };
 
 static inline void fetch_triangle(const shb_list_cover *cover, uint32_t number) {
     __builtin_prefetch(&cover->triangles[number]);
-    __builtin_prefetch(&cover->planes[number]);
 }
 
 static bool cover_cells(shb_list_cover *cover) {
     const int block_bits = cover->cell_bits + 2; /* texels of a block's side */
     const uint32_t blocks = SHB_LIST_TILE >> block_bits;
     float lane_x[LIST_LANES], lane_y[LIST_LANES];
+    SHB_ALIGN float begins[LIST_LANES];
     for (int i = 0; i < LIST_LANES; i++) {
         lane_x[i] = (float)((i & 3) << cover->cell_bits);
         lane_y[i] = (float)((i >> 2) << cover->cell_bits);
@@ -276,11 +276,12 @@ static bool cover_cells(shb_list_cover *cover) {
                  x <= last_column; x++) {
                 const uint32_t cell = (y * blocks + x) * LIST_LANES;
                 uint32_t bits = cover_block(&f, (float)(x << block_bits), (float)(y << block_bits),
-                                            lane_x, lane_y, &cover->far[cell]);
+                                            lane_x, lane_y, &cover->far[cell], begins);
                 for (; bits; bits &= bits - 1) {
                     const uint32_t in_block = (uint32_t)__builtin_ctz(bits);
                     cover->counts[cell + in_block]++;
-                    cover->pairs[pairs++] = (shb_list_pair){number, cell + in_block};
+                    cover->pairs[pairs++] =
+                        (shb_list_pair){{number, begins[in_block]}, cell + in_block};
                 }
             }
     }
@@ -288,26 +289,7 @@ static bool cover_cells(shb_list_cover *cover) {
     return true;
 }
 
-static void locate_points(const shb_list_frame *frame, shb_list_group *restrict g) {
-    const shb_list_frame f = *frame;
-    const double *const restrict world[3] = {g->world[0], g->world[1], g->world[2]};
-    for (int i = 0; i < SHB_LIST_GROUP; i++) {
-        const double px = world[0][i], py = world[1][i], pz = world[2][i];
-        const double w = shb_list_row(f.rows[3], px, py, pz), inverse = 1 / w;
-        const double x = shb_list_row(f.rows[0], px, py, pz) * inverse;
-        const double y = shb_list_row(f.rows[1], px, py, pz) * inverse;
-        const double depth = shb_list_row(f.rows[2], px, py, pz) * inverse;
-        const double size = list_max(list_max(fabs(px), fabs(py)), fabs(pz));
-        const int seen = (w > 0) & (x >= 0) & (x < f.width) & (y >= 0) & (y < f.height) &
-                         (fabs(depth) < HUGE_VAL);
-        g->x[i] = x;
-        g->y[i] = y;
-        g->depth[i] = depth;
-        g->inverse_w[i] = inverse;
-        g->scale[i] = size > f.reach ? size / f.reach : 1;
-        g->column[i] = (int32_t)(seen ? x : -1.0);
-        g->row[i] = (int32_t)(seen ? y : 0.0);
-    }
-}
+#include "k_list_ask.inl"
 
-const shb_list_kernels LIST_KERNELS = {prepare_triangles, cover_cells, locate_points};
+const shb_list_kernels LIST_KERNELS = {prepare_triangles, cover_cells, locate_points, take_entries,
+                                       answer_questions};

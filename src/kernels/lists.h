@@ -26,18 +26,28 @@ typedef struct shb_list_corners {
     double y[3][SHB_LIST_LANES], z[3][SHB_LIST_LANES], inverse_w[3][SHB_LIST_LANES];
 } shb_list_corners;
 
+/* A triangle of a cell. */
+typedef struct shb_list_entry {
+    uint32_t triangle;
+    float begin; /* no depth of the triangle in the cell is less */
+} shb_list_entry;
+
+/* Entries are looked at this many at a time; so many more may be read behind the last one. */
+#define SHB_LIST_STEP 8
+
 /* An entry before entries are sorted by cell. */
 typedef struct shb_list_pair {
-    uint32_t triangle, cell;
+    shb_list_entry entry;
+    uint32_t cell;
 } shb_list_pair;
 
 /* One tile while triangles are put into its cells. Cells are kept block by block, row by row in
  * both. */
 typedef struct shb_list_cover {
     const shb_list_triangle *triangles;
-    const shb_list_plane *planes;
+    const shb_list_frame *frame;
     const shb_list_box *boxes;
-    const uint64_t *keys; /* triangles in the low halves, front to back */
+    const uint64_t *keys; /* triangles in the low halves, front to back by the levels above */
     size_t count;
     uint32_t column, row;                           /* of the tile's first texel */
     int cell_bits;                                  /* cells are squares of 2^cell_bits texels */
@@ -59,11 +69,23 @@ typedef struct shb_list_group {
     int32_t column[SHB_LIST_GROUP], row[SHB_LIST_GROUP]; /* texel; column -1: not in the view */
 } shb_list_group;
 
+/* Points of a group that are asked about one triangle at the same time: this many from the first
+ * on, one bit each. */
+#define SHB_LIST_RUN 8
+
+typedef struct shb_list_question {
+    uint32_t triangle;
+    uint8_t run;   /* the asker's own number */
+    uint8_t first; /* at most SHB_LIST_GROUP - SHB_LIST_RUN */
+    uint8_t asked; /* which points; then those that the triangle blocks */
+    uint8_t doubt; /* then those that it may block: the ray has to decide */
+} shb_list_question;
+
 typedef struct shb_list_kernels {
     /* Prepares triangles of whole corners. */
     void (*prepare)(const shb_list_frame *frame, const shb_list_corners *corners,
                     shb_list_triangle triangles[SHB_LIST_LANES],
-                    shb_list_plane planes[SHB_LIST_LANES], shb_list_box boxes[SHB_LIST_LANES]);
+                    shb_list_box boxes[SHB_LIST_LANES]);
 
     /* Puts a tile's triangles into its cells. A triangle goes into a cell unless it misses the cell
      * for sure or begins there behind a triangle before it that covers the cell for sure. False if
@@ -72,6 +94,18 @@ typedef struct shb_list_kernels {
 
     /* Finds where the light sees the points. */
     void (*locate)(const shb_list_frame *frame, shb_list_group *group);
+
+    /* Asks the next SHB_LIST_STEP entries, or as many as are left if these are fewer, with so much
+     * room for questions: one like the given one for each that begins at a depth or before. Returns
+     * how many. */
+    size_t (*take)(const shb_list_entry *entries, size_t left, float depth,
+                   const shb_list_question *like, shb_list_question *questions);
+
+    /* Answers questions by the bounds of rounding; rounding as in shb_list_points, of points whose
+     * scale is 1. Those that say something are moved to the front; returns how many they are. */
+    size_t (*answer)(const shb_list_frame *frame, const shb_list_triangle *triangles,
+                     const shb_list_group *group, double rounding, shb_list_question *questions,
+                     size_t count);
 } shb_list_kernels;
 
 /* Never NULL. */

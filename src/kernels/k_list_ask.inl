@@ -1,0 +1,137 @@
+/* The loops of asking lists. A question is one triangle's cache line against a run of points. Its
+ * lines come from all over the memory, so they are fetched ahead, and what a question says is not
+ * branched on: few could be foreseen. */
+
+static void locate_points(const shb_list_frame *frame, shb_list_group *restrict g) {
+    const shb_list_frame f = *frame;
+    const double *const restrict world[3] = {g->world[0], g->world[1], g->world[2]};
+    for (int i = 0; i < SHB_LIST_GROUP; i++) {
+        const double px = world[0][i], py = world[1][i], pz = world[2][i];
+        const double w = shb_list_row(f.rows[3], px, py, pz), inverse = 1 / w;
+        const double x = shb_list_row(f.rows[0], px, py, pz) * inverse;
+        const double y = shb_list_row(f.rows[1], px, py, pz) * inverse;
+        const double depth = shb_list_row(f.rows[2], px, py, pz) * inverse;
+        const double size = list_max(list_max(fabs(px), fabs(py)), fabs(pz));
+        const int seen = (w > 0) & (x >= 0) & (x < f.width) & (y >= 0) & (y < f.height) &
+                         (fabs(depth) < HUGE_VAL);
+        g->x[i] = x;
+        g->y[i] = y;
+        g->depth[i] = depth;
+        g->inverse_w[i] = inverse;
+        g->scale[i] = size > f.reach ? size / f.reach : 1;
+        g->column[i] = (int32_t)(seen ? x : -1.0);
+        g->row[i] = (int32_t)(seen ? y : 0.0);
+    }
+}
+
+/* Questions like the given one of those entries of a step that do not begin behind a depth. */
+static size_t take_entries(const shb_list_entry *entries, size_t left, float depth,
+                           const shb_list_question *like, shb_list_question *questions) {
+#if DOUBLES == 8
+    const __m512i step = _mm512_loadu_si512(entries);
+    const __m256 begins = _mm256_castsi256_ps(_mm512_cvtepi64_epi32(_mm512_srli_epi64(step, 32)));
+    const __mmask8 before = _mm256_cmp_ps_mask(begins, _mm256_set1_ps(depth), _CMP_LE_OQ);
+    const uint32_t taken = before & (left < SHB_LIST_STEP ? (1u << left) - 1 : 0xff);
+    uint64_t rest;
+    memcpy(&rest, like, sizeof rest);
+    const __m512i made = _mm512_mask_blend_epi32(0xaaaa, step, _mm512_set1_epi64((int64_t)rest));
+    _mm512_storeu_si512(questions, _mm512_maskz_compress_epi64((__mmask8)taken, made));
+    return (size_t)__builtin_popcount(taken);
+#else
+    size_t count = 0;
+    for (size_t i = 0; i < SHB_LIST_STEP; i++) {
+        questions[count] = *like;
+        questions[count].triangle = entries[i].triangle;
+        count += (i < left) & (entries[i].begin <= depth);
+    }
+    return count;
+#endif
+}
+
+/* Questions whose triangles are fetched before they are asked. */
+enum { LIST_ASK_AHEAD = 24 };
+
+static inline void fetch_asked(const shb_list_triangle *triangles,
+                               const shb_list_question *questions, size_t number, size_t count) {
+    if (number < count)
+        __builtin_prefetch(&triangles[questions[number].triangle]);
+}
+
+/* Keeps the points whose rays the triangle may meet. Those that pass no edge are marked in doubt
+ * for the time being. */
+static size_t keep_covered(const shb_list_triangle *triangles, const shb_list_group *g,
+                           shb_list_question *questions, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count && i < LIST_ASK_AHEAD; i++)
+        fetch_asked(triangles, questions, i, count);
+    for (size_t i = 0; i < count; i++) {
+        fetch_asked(triangles, questions, i + LIST_ASK_AHEAD, count);
+        shb_list_question q = questions[i];
+        const shb_list_triangle *t = &triangles[q.triangle];
+        const wd margin = wd_splat(2 * (double)t->margin);
+        uint32_t outside = 0, inside = 0;
+        for (int lane = 0; lane < SHB_LIST_RUN; lane += DOUBLES) {
+            const wd x = wd_load(g->x + q.first + lane), y = wd_load(g->y + q.first + lane);
+            const wd u = (wd_splat((double)t->u[0]) * x + wd_splat((double)t->u[1]) * y) +
+                         wd_splat((double)t->u[2]);
+            const wd v = (wd_splat((double)t->v[0]) * x + wd_splat((double)t->v[1]) * y) +
+                         wd_splat((double)t->v[2]);
+            const wd w = (wd_splat((double)t->rest) - u) - v;
+            const wd least = wd_min(wd_min(u, v), w);
+            outside |= wd_greater_bits(wd_splat(0), least) << lane;
+            inside |= wd_greater_bits(least, margin) << lane;
+        }
+        q.asked = (uint8_t)(q.asked & ~outside);
+        q.doubt = (uint8_t)inside;
+        questions[kept] = q;
+        kept += q.asked != 0;
+    }
+    return kept;
+}
+
+/* How much each coordinate of a point changes its distance behind the plane, before the division by
+ * w. */
+static inline void list_changes(const shb_list_frame *frame, const shb_list_triangle *t,
+                                double changes[3]) {
+    const double(*rows)[4] = frame->rows;
+    for (int i = 0; i < 3; i++)
+        changes[i] = fabs((rows[2][i] + t->plane[0] * rows[0][i]) +
+                          (t->plane[1] * rows[1][i] + t->plane[2] * rows[3][i]));
+}
+
+static size_t answer_questions(const shb_list_frame *frame, const shb_list_triangle *triangles,
+                               const shb_list_group *g, double rounding,
+                               shb_list_question *questions, size_t count) {
+    const size_t covered = keep_covered(triangles, g, questions, count);
+    const bool is_rounded = rounding > 0;
+    const wd unit = wd_splat((1 + 0x1p-20) * rounding);
+    size_t kept = 0;
+    for (size_t i = 0; i < covered; i++) {
+        shb_list_question q = questions[i];
+        const shb_list_triangle *t = &triangles[q.triangle];
+        const wd bound = wd_splat((double)(is_rounded ? t->bound : -t->bound));
+        const wd clear = wd_splat((double)t->clear);
+        double changes[3];
+        list_changes(frame, t, changes);
+        uint32_t behind = 0, clearly = 0;
+        for (int lane = 0; lane < SHB_LIST_RUN; lane += DOUBLES) {
+            const size_t at = (size_t)(q.first + lane);
+            const wd distance = ((wd_splat(t->plane[0]) * wd_load(g->x + at) +
+                                  wd_splat(t->plane[1]) * wd_load(g->y + at)) +
+                                 wd_splat(t->plane[2])) +
+                                wd_load(g->depth + at);
+            const wd moved = (wd_splat(changes[0]) * wd_abs(wd_load(g->world[0] + at)) +
+                              wd_splat(changes[1]) * wd_abs(wd_load(g->world[1] + at))) +
+                             wd_splat(changes[2]) * wd_abs(wd_load(g->world[2] + at));
+            const wd least = bound + (moved * wd_load(g->inverse_w + at)) * unit;
+            behind |= wd_greater_bits(distance, least) << lane;
+            clearly |= wd_greater_bits(distance, clear) << lane;
+        }
+        const uint32_t met = q.asked & behind;
+        q.asked = (uint8_t)(met & q.doubt & (is_rounded ? behind : clearly));
+        q.doubt = (uint8_t)(met & ~(uint32_t)q.asked);
+        questions[kept] = q;
+        kept += met != 0;
+    }
+    return kept;
+}
