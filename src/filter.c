@@ -106,7 +106,7 @@ static bool rebuild(shb_filter *filter, shb_filter (*make)(void)) {
     const float *p = filter->params;
     const float unit = p[make == make_poisson ? 2 : 1], taps = p[make == make_poisson ? 3 : 2];
     if (make == pcss) {
-        filter->needs = p[3] == SHB_TAPS_NAIVE ? SHB_NEEDS_NORMAL : 0;
+        filter->needs = SHB_NEEDS_SAMPLES | (p[3] == SHB_TAPS_NAIVE ? SHB_NEEDS_NORMAL : 0u);
         return is_one_of_three(p[3]);
     }
     if (make != make_pcf && make != make_pcf_smooth && make != make_jittered &&

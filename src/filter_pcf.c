@@ -11,20 +11,12 @@ static uint32_t needs_of(shb_unit unit, shb_taps taps) {
            (taps == SHB_TAPS_NAIVE ? SHB_NEEDS_NORMAL : 0u);
 }
 
-/* A map that was never drawn keeps no occluders and lights everything. */
-static bool is_empty(const shb_filter_args *args) {
-    for (size_t i = 0; !args->map->occluders.held && i < shb_round_to_lanes(args->count); i++)
-        args->visibility[i] = 1;
-    return !args->map->occluders.held;
-}
-
 static void pcf(const shb_filter_args *args) {
     args->map->context->shade_kernels->pcf(args);
 }
 
 static void pcf_exact(const shb_filter_args *args) {
-    if (!is_empty(args))
-        args->map->context->shade_kernels->pcf_exact(args);
+    args->map->context->shade_kernels->pcf_exact(args);
 }
 
 shb_filter shb_filter_pcf(float size, shb_unit unit, shb_taps taps) {
@@ -40,8 +32,7 @@ static void pcf_smooth(const shb_filter_args *args) {
 }
 
 static void pcf_smooth_exact(const shb_filter_args *args) {
-    if (!is_empty(args))
-        args->map->context->shade_kernels->pcf_smooth_exact(args);
+    args->map->context->shade_kernels->pcf_smooth_exact(args);
 }
 
 shb_filter shb_filter_pcf_smooth(float size, shb_unit unit, shb_taps taps) {
@@ -57,8 +48,7 @@ static void jittered(const shb_filter_args *args) {
 }
 
 static void jittered_exact(const shb_filter_args *args) {
-    if (!is_empty(args))
-        args->map->context->shade_kernels->jittered_exact(args);
+    args->map->context->shade_kernels->jittered_exact(args);
 }
 
 shb_filter shb_filter_jittered(float size, shb_unit unit, shb_taps taps) {
@@ -74,8 +64,7 @@ static void poisson(const shb_filter_args *args) {
 }
 
 static void poisson_exact(const shb_filter_args *args) {
-    if (!is_empty(args))
-        args->map->context->shade_kernels->poisson_exact(args);
+    args->map->context->shade_kernels->poisson_exact(args);
 }
 
 shb_filter shb_filter_poisson(float count, float radius, shb_unit unit, shb_taps taps) {

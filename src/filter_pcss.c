@@ -96,6 +96,13 @@ static void pcss_filter(const shb_filter_args *args) {
                                                 args->visibility);
 }
 
+static void pcss_exact(const shb_filter_args *args) {
+    shb_pcss pcss;
+    prepare_batch(args, &pcss);
+    pcss.own_depth = false;
+    args->map->context->shade_kernels->pcss_exact(&pcss, args);
+}
+
 static shb_result prepare(const shb_map *map, const shb_filter *filter, void **prepared,
                           size_t *bytes) {
     (void)filter;
@@ -117,8 +124,9 @@ shb_filter shb_filter_pcss(float light_size, int blocker_samples, int filter_sam
     return (shb_filter){
         .name = "pcss",
         .filter = pcss_filter,
+        .exact = pcss_exact,
         .prepare = prepare,
         .release = release,
-        .needs = taps == SHB_TAPS_NAIVE ? SHB_NEEDS_NORMAL : 0,
+        .needs = SHB_NEEDS_SAMPLES | (taps == SHB_TAPS_NAIVE ? SHB_NEEDS_NORMAL : 0u),
         .params = {light_size, (float)blocker_samples, (float)filter_samples, (float)taps}};
 }

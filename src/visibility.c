@@ -95,6 +95,12 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
     return bias->needs & SHB_NEEDS_OCCLUDERS ? check_occluders(map, caller, bias, filter) : SHB_OK;
 }
 
+/* What a map that was never drawn says, which keeps no occluders. */
+static void light_all(size_t count, float *visibility) {
+    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
+        visibility[i] = 1;
+}
+
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, shb_receivers *receivers, float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
@@ -103,7 +109,10 @@ void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_fi
         count, filter, map, &map->info, receivers, visibility, shb_prepared_find(map, filter)};
 
     if (bias->needs & SHB_NEEDS_OCCLUDERS) {
-        filter->exact(&filter_args);
+        if (map->occluders.held)
+            filter->exact(&filter_args);
+        else
+            light_all(count, visibility);
         return;
     }
     const uint32_t needs = bias->needs | filter->needs;

@@ -189,12 +189,108 @@ TEST(exact_taps_by_triangles_agree_with_the_scalar_test) {
     check_against_scalar(true, false, SHB_OCCLUDERS_TRIANGLES);
 }
 
+/* ---- soft shadows ---- */
+
+/* What a kernel holds: taps by the parts of texels that it covers. */
+typedef struct slow_stage {
+    double blocked, depth, all;
+} slow_stage;
+
+/* Every texel of a square of this half width, by the scalar test. Depths are canonical. */
+static slow_stage ask_slowly(const shb_map *map, const shb_exact_fragment *fragment, double half) {
+    const double x = fragment->point.x, y = fragment->point.y;
+    slow_stage stage = {0, 0, 4 * half * half};
+    for (int row = (int)floor(y - half); row < y + half; row++)
+        for (int column = (int)floor(x - half); column < x + half; column++) {
+            const double w = fmin(column + 1, x + half) - fmax(column, x - half);
+            const double h = fmin(row + 1, y + half) - fmax(row, y - half);
+            const int32_t texel_x = column, texel_y = row;
+            float depth;
+            if (!is_shadowed(map, fragment, column, row))
+                continue;
+            shb_map_fetch(map, 1, &texel_x, &texel_y, &depth);
+            stage.blocked += w * h;
+            stage.depth += w * h * (double)depth;
+        }
+    return stage;
+}
+
+/* By the penumbra in the world, for the probe's lights: parallel rays of 1 / 8 depth per unit, or a
+ * spot with depth 1.5 - 1.5 / w; 2 units or 2 w are a map's width. */
+static double half_width(const shb_map *map, bool spot, double light, double own, double blocker) {
+    const double shift = map->info.view.reversed ? 1 : 0, size = map->info.width;
+    const double w = 1.5 / (1.5 - own - shift), near_w = 1.5 / (1.5 - blocker - shift);
+    const double width = spot ? (w - near_w) / near_w * light * size / (2 * w)
+                              : 8 * (own - blocker) * light * size / 2;
+    return fmax(width / 2, 0.5);
+}
+
+static double slow_soft(const shb_map *map, bool spot, double light, const points *given, int i) {
+    double position[3], normal[3];
+    for (int k = 0; k < 3; k++) {
+        position[k] = (double)given->positions[3 * i + k];
+        normal[k] = (double)given->normals[3 * i + k];
+    }
+    const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
+    const shb_light_point *p = &fragment.point;
+    const double size = map->info.width, near_depth = map->info.view.reversed ? -1 : 0;
+    if (!(p->w > 0 && p->x >= 0 && p->y >= 0 && p->x < size && p->y < size))
+        return 1;
+    const slow_stage search =
+        ask_slowly(map, &fragment, half_width(map, spot, light, p->z, near_depth));
+    if (search.blocked == 0)
+        return 1;
+    const slow_stage filter = ask_slowly(
+        map, &fragment, half_width(map, spot, light, p->z, search.depth / search.blocked));
+    return 1 - filter.blocked / filter.all;
+}
+
+static void check_soft_against_scalar(bool spot, bool reversed, shb_occluders occluders) {
+    const double light = spot ? 0.1 : 0.05;
+    const shb_filter filter = shb_filter_pcss((float)light, 0, 0, SHB_TAPS_PLANE);
+    soup s = {0};
+    add_scene(&s);
+    if (spot)
+        lift_into_spot(&s);
+    points *given = malloc(sizeof *given);
+    fill_points(&s, 6, given);
+    asked_map made =
+        draw(SHB_ISA_BEST, spot ? probe_perspective(reversed) : probe_orthographic(reversed),
+             occluders, 64, &s);
+    float seen[POINTS], prepared[POINTS];
+    ask(&made, given, &filter, seen);
+    CHECK_INT(shb_map_prepare(made.map, &filter), SHB_OK);
+    ask(&made, given, &filter, prepared);
+    CHECK(memcmp(seen, prepared, sizeof seen) == 0);
+    int different = 0, soft = 0;
+    for (int i = 0; i < POINTS / 2; i++) {
+        const double expected = slow_soft(made.map, spot, light, given, i);
+        different += !(fabs((double)seen[i] - expected) < 1e-3);
+        soft += expected > 0.05 && expected < 0.95;
+    }
+    CHECK(different <= POINTS / 400);
+    CHECK(soft > POINTS / 20);
+    close_map(&made);
+    free(given);
+    soup_free(&s);
+}
+
+TEST(exact_soft_shadows_agree_with_a_slow_search_by_the_scalar_test) {
+    check_soft_against_scalar(false, false, SHB_OCCLUDERS_PLANES);
+    check_soft_against_scalar(true, true, SHB_OCCLUDERS_PLANES);
+    check_soft_against_scalar(false, true, SHB_OCCLUDERS_TRIANGLES);
+    check_soft_against_scalar(true, false, SHB_OCCLUDERS_TRIANGLES);
+}
+
 TEST(exact_taps_give_scalar_bits_on_every_isa) {
     const shb_filter filters[] = {shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
                                   shb_filter_pcf(0.1f, SHB_UNIT_WORLD, SHB_TAPS_PLANE),
                                   shb_filter_pcf_smooth(4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
                                   shb_filter_jittered(6, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
-                                  shb_filter_poisson(9, 4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE)};
+                                  shb_filter_poisson(9, 4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_pcss(0.2f, 25, 25, SHB_TAPS_PLANE),
+                                  shb_filter_pcss(0.2f, 0, 0, SHB_TAPS_PLANE)};
+    const int filter_count = sizeof filters / sizeof *filters;
     soup s = {0};
     add_scene(&s);
     lift_into_spot(&s);
@@ -203,7 +299,7 @@ TEST(exact_taps_give_scalar_bits_on_every_isa) {
     asked_map scalar = draw(SHB_ISA_SCALAR, probe_perspective(true), SHB_OCCLUDERS_PLANES, 64, &s);
     for (int isa = SHB_ISA_SCALAR + 1; isa < SHB_ISA_COUNT; isa++) {
         asked_map other = draw((shb_isa)isa, probe_perspective(true), SHB_OCCLUDERS_PLANES, 64, &s);
-        for (int f = 0; f < 5; f++) {
+        for (int f = 0; f < filter_count; f++) {
             float expected[POINTS], actual[POINTS];
             ask(&scalar, given, &filters[f], expected);
             ask(&other, given, &filters[f], actual);
@@ -228,9 +324,8 @@ static bool covers_middle(const shb_map *map) {
     return depth < (map->info.view.reversed ? 0.0f : 1.0f);
 }
 
-/* False shadow of 5 x 5 exact taps on planes at any slope: none of count points. */
-static int false_shadows(int count, uint64_t seed) {
-    const shb_filter box = shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+/* False shadow of exact taps on planes at any slope: none of count points. */
+static int false_shadows(const shb_filter *filter, int count, uint64_t seed) {
     test_random random = {seed};
     points *given = malloc(sizeof *given);
     int wrong = 0, covered = 0;
@@ -255,7 +350,7 @@ static int false_shadows(int count, uint64_t seed) {
             draw(SHB_ISA_BEST, spot ? probe_perspective(true) : probe_orthographic(false),
                  asked / POINTS % 3 ? SHB_OCCLUDERS_PLANES : SHB_OCCLUDERS_TRIANGLES, 128, &s);
         float seen[POINTS];
-        ask(&made, given, &box, seen);
+        ask(&made, given, filter, seen);
         for (int i = 0; i < POINTS; i++)
             wrong += seen[i] != 1;
         covered += covers_middle(made.map);
@@ -270,7 +365,10 @@ static int false_shadows(int count, uint64_t seed) {
 /* SHB_TEST_FRAGMENTS: how many instead of a quick 100 000. */
 TEST(exact_taps_shadow_no_plane_at_any_slope) {
     const char *count = getenv("SHB_TEST_FRAGMENTS");
-    CHECK_INT(false_shadows(count ? atoi(count) : 100000, 21), 0);
+    const shb_filter box = shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+    const shb_filter soft = shb_filter_pcss(0.1f, 16, 16, SHB_TAPS_PLANE);
+    CHECK_INT(false_shadows(&box, count ? atoi(count) : 100000, 21), 0);
+    CHECK_INT(false_shadows(&soft, count ? atoi(count) : 30000, 22), 0);
 }
 
 TEST(exact_taps_are_refused_by_maps_that_keep_lists) {
@@ -285,9 +383,10 @@ TEST(exact_taps_are_refused_by_maps_that_keep_lists) {
     const shb_filter filters[] = {shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
                                   shb_filter_pcf_smooth(2, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
                                   shb_filter_jittered(4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
-                                  shb_filter_poisson(9, 4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE)};
+                                  shb_filter_poisson(9, 4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_pcss(0.2f, 0, 0, SHB_TAPS_PLANE)};
     float seen[POINTS];
-    for (int f = 0; f < 4; f++) {
+    for (int f = 0; f < 5; f++) {
         seen[0] = 7;
         CHECK_INT(shb_map_visibility(made.map, &list, &exact, &filters[f], seen),
                   SHB_ERROR_UNSUPPORTED);

@@ -44,8 +44,8 @@ static sums add_up(const weighted *w) {
                 const long double part = (long double)w->weight(w->kernel, x, y);
                 if (!(part > 0))
                     continue;
-                const long double value = (long double)warp(
-                    w->exponent, depth_at(w->depths, w->width, w->height, x, y));
+                const long double value =
+                    (long double)warp(w->exponent, depth_at(w->depths, w->width, w->height, x, y));
                 if (pass == 0) {
                     raw.weight += part;
                     raw.value[0] += part * value;
@@ -110,8 +110,8 @@ TEST(boxes_of_every_level_hold_the_moments_of_their_texels) {
                 for (uint32_t b = 0; b < level->columns * level->rows; b += k < 3 ? 7 : 1) {
                     const box at = {(int)(b % level->columns) * spacing_of(k),
                                     (int)(b / level->columns) * spacing_of(k), 2 << k};
-                    const weighted texels = {depths,  width, height, at.x,
-                                             at.y, 1 << k, exponents[e], in_box, &at};
+                    const weighted texels = {depths, width,        height, at.x, at.y,
+                                             1 << k, exponents[e], in_box, &at};
                     const sums expected = add_up(&texels);
                     check_moments(level->boxes + (size_t)b * (size_t)count, count, &expected,
                                   exp(fabs(exponents[e]) / 2));
@@ -181,13 +181,13 @@ TEST(kernels_mix_two_sizes_by_the_square_of_their_width) {
     }
     shb_moment_pyramid_sample(&pyramid, shb_map_get_info(host.map), &r, widths, 64, &moments);
     for (int i = 0; i < 64; i++) {
-        const weighted texels = {depths, SIDE, 23, (int)kernels[i].x, (int)kernels[i].y, 40, 0,
-                                 in_mixture, &kernels[i]};
+        const weighted texels = {depths, SIDE, 23,         (int)kernels[i].x, (int)kernels[i].y,
+                                 40,     0,    in_mixture, &kernels[i]};
         const sums expected = add_up(&texels);
         CHECK_NEAR((double)expected.weight, 1, 1e-9);
-        check_moments((float[]){moments.at[0][i], moments.at[1][i], moments.at[2][i],
-                                moments.at[3][i]},
-                      4, &expected, 1);
+        check_moments(
+            (float[]){moments.at[0][i], moments.at[1][i], moments.at[2][i], moments.at[3][i]}, 4,
+            &expected, 1);
     }
     shb_moment_pyramid_destroy(host.map, &pyramid);
     depth_map_close(&host);

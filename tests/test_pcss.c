@@ -404,6 +404,6 @@ TEST(pcss_has_a_text_form) {
     CHECK(memcmp(filter.params, other.params, sizeof filter.params) == 0);
     CHECK(filter.filter == other.filter && filter.needs == other.needs);
     CHECK_INT(shb_filter_parse("pcss:taps=2", &filter), SHB_OK);
-    CHECK_INT(filter.needs, SHB_NEEDS_NORMAL);
+    CHECK_INT(filter.needs, SHB_NEEDS_NORMAL | SHB_NEEDS_SAMPLES);
     CHECK_INT(shb_filter_parse("pcss:taps=3", &filter), SHB_ERROR_ARGUMENT);
 }

@@ -198,6 +198,7 @@ shb_filter shb_filter_bitmask(float light_size, int window, int samples);
  * turned by a hash of the fragment's position. Texels of a square count by the part of them that it
  * covers. A kernel is centred on the fragment and at least one texel wide; squares of more than 126
  * texels give way to 64 taps on the disk, and nothing is wider than 32768 texels.
+ * Methods that need occluders ask them in every tap of both stages; taps is not read then.
  * Outcomes: no blocker found: lit. Every tap of the search blocked: the kernel of step 3 decides,
  * 0 if all of it is blocked too. Taps outside the map: lit, and no blockers. Blockers at or beyond
  * the fragment's own depth, as steep planes have them: the narrowest kernel. Fragments outside the

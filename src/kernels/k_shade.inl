@@ -31,6 +31,8 @@
 
 #include "k_pcss.inl"
 
+#include "k_pcss_exact.inl"
+
 const shb_shade_kernels SHADE_KERNELS = {
     .load = load_triples,
     .project = project_batch,
@@ -46,6 +48,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .jittered_exact = jittered_exact,
     .poisson_exact = poisson_exact,
     .pcss = pcss_batch,
+    .pcss_exact = pcss_exact,
     .own_depth = own_depth,
     .constant = constant_depth,
     .slope = slope_depth,

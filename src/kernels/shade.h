@@ -40,6 +40,9 @@ typedef struct shb_shade_kernels {
     void (*pcss)(const shb_pcss *pcss, const shb_map *map, size_t count,
                  const shb_receivers *receivers, float *visibility);
 
+    /* The same with exact taps. */
+    void (*pcss_exact)(const shb_pcss *pcss, const shb_filter_args *args);
+
     /* The stages of the built-in methods. */
     void (*own_depth)(size_t count, shb_receivers *receivers);
     shb_bias_fn *constant, *slope, *angle, *receiver_plane, *adaptive, *adaptive_soft;
