@@ -1,5 +1,5 @@
 # libshadowbias: make, make demo, make check, make bench, make peers,
-#   make stability, make report (QUICK=1), make readme-report, make install.
+#   make stability, make report (QUICK=1, PEERS=1), make readme-report, make install.
 #   config=release|debug|sanitize|coverage   V=1 shows the commands   CC=clang   CFLAGS, PREFIX, DESTDIR
 
 CC ?= cc
@@ -61,6 +61,8 @@ $(BUILD)/stability: $(call object,$(STABILITY_SRC) $(SUPPORT_SRC)) $(LIBRARY)
 $(BUILD)/report: $(call object,$(REPORT_SRC) $(SUPPORT_SRC)) $(LIBRARY)
 	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
 
+REPORT_OUT := $(BUILD)/out/report
+
 # The parts of the report's page become lists of quoted lines.
 ASSETS := $(BUILD)/obj/examples/report/assets
 PAGE := $(patsubst examples/report/%,$(ASSETS)/%.inc,$(wildcard examples/report/page.html \
@@ -111,7 +113,8 @@ $(BUILD)/peers/%: $(BUILD)/obj/tests/bench/peers/%.o $(call object,$(PEER_SUPPOR
 peers:
 	$(Q)$(foreach peer,embree llvmpipe, \
 		if echo '#include <$(PEER_HEADER_$(peer))>' | $(CC) -E - >/dev/null 2>&1; then \
-			$(MAKE) --no-print-directory $(BUILD)/peers/$(peer) && $(BUILD)/peers/$(peer); \
+			$(MAKE) --no-print-directory $(BUILD)/peers/$(peer) && \
+			$(BUILD)/peers/$(peer) $(PEER_SCENES); \
 		else \
 			echo "skipped $(peer): install $(PEER_PACKAGES_$(peer))"; \
 		fi;)
@@ -121,10 +124,14 @@ stability: $(BUILD)/stability
 	$(Q)$(BUILD)/stability --out $(BUILD)/out
 
 report: $(BUILD)/report
-	$(Q)$(BUILD)/report --out $(BUILD)/out/report $(if $(QUICK),--quick)
+	$(Q)mkdir -p $(REPORT_OUT)
+	$(if $(PEERS),$(Q)$(MAKE) --no-print-directory peers $(if $(QUICK),PEER_SCENES=hills) \
+		>$(REPORT_OUT)/peers.txt && { grep '^skipped' $(REPORT_OUT)/peers.txt || true; })
+	$(Q)$(BUILD)/report --out $(REPORT_OUT) $(if $(QUICK),--quick) \
+		$(if $(PEERS),--peers $(REPORT_OUT)/peers.txt)
 
 readme-report: $(BUILD)/report
-	$(Q)$(BUILD)/report --out $(BUILD)/out/report $(if $(QUICK),--quick) --readme README.md
+	$(Q)$(BUILD)/report --out $(REPORT_OUT) $(if $(QUICK),--quick) --readme README.md
 
 install: $(LIBRARY)
 	$(Q)mkdir -p $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include/shadowbias

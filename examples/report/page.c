@@ -121,6 +121,7 @@ static void write_images(FILE *stream, const report_page *page) {
 }
 
 static void write_more(FILE *stream, const report_page *page) {
+    report_peers_write(stream, page->peers);
     report_studies_write(stream, page->directory);
 }
 

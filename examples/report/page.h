@@ -2,6 +2,7 @@
 #ifndef REPORT_PAGE_H
 #define REPORT_PAGE_H
 
+#include "peers.h"
 #include "rows.h"
 
 typedef struct report_page {
@@ -9,6 +10,7 @@ typedef struct report_page {
     const char *pictures;    /* directory of the PNG files */
     const char *directory;   /* of the report, where the sections of studies are */
     const char *settings;
+    const peer_rows *peers;
 } report_page;
 
 /* False: the file cannot be written. Pictures that are not there are left out. */

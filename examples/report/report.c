@@ -1,6 +1,7 @@
 /* Speed against error, every method on every scene: report --help. */
 #include "arguments.h"
 #include "page.h"
+#include "peers.h"
 #include "readme.h"
 #include "study.h"
 #include "study_tuner.h"
@@ -9,10 +10,12 @@
 #include "tool.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 
 typedef struct report_command {
     report_options options;
+    const char *peers;            /* what make peers printed, or NULL */
     const char *tuned;            /* a scene for the tuner alone, or NULL */
     const char *readme, *figures; /* a Markdown file for the report in brief, or NULL */
     bool help;
@@ -36,6 +39,8 @@ static bool read_command(int argc, char **argv, report_command *command) {
          &options->limit_ppm, 0, 1000000},
         {"--tune-map", "N", "size of the map that they are for; default 1024", ARGUMENT_COUNT,
          &options->tuned_size, 8, 16384},
+        {"--peers", "FILE", "what make peers printed, for report.tsv and the page", ARGUMENT_TEXT,
+         &command->peers, 0, 0},
         {"--readme", "FILE", "Markdown file that takes the report in brief between its marks",
          ARGUMENT_TEXT, &command->readme, 0, 0},
         {"--figures", "DIR", "directory of the figures of that; default examples/report",
@@ -59,12 +64,12 @@ static bool read_command(int argc, char **argv, report_command *command) {
     return true;
 }
 
-static bool write_page(const report_options *options, const char *settings,
-                       const report_rows *rows) {
+static bool write_page(const report_options *options, const char *settings, const report_rows *rows,
+                       const peer_rows *peers) {
     char path[512], pictures[512];
     snprintf(path, sizeof path, "%s/index.html", options->directory);
     snprintf(pictures, sizeof pictures, "%s/pictures", options->directory);
-    const report_page page = {rows, pictures, options->directory, settings};
+    const report_page page = {rows, pictures, options->directory, settings, peers};
     if (!tool_succeeds("report", path, report_page_write(&page, path) ? SHB_OK : SHB_ERROR_FILE))
         return false;
     printf("the page: %s\n", path);
@@ -88,6 +93,29 @@ static bool keep_rows(const report_options *options, const char *settings, const
     return tool_succeeds("report", path, report_rows_replace(rows, path) ? SHB_OK : SHB_ERROR_FILE);
 }
 
+static bool add_peers(const report_command *command, const char *path, peer_rows *peers) {
+    if (!command->peers)
+        return true;
+    return tool_succeeds("report", command->peers,
+                         report_peers_read(peers, command->peers) ? SHB_OK : SHB_ERROR_FILE) &&
+           tool_succeeds("report", path,
+                         report_peers_append(peers, path) ? SHB_OK : SHB_ERROR_FILE);
+}
+
+/* The page and what else is made of all rows, which get their means. */
+static bool show_rows(const report_command *command, const char *settings, const char *path,
+                      report_rows *rows) {
+    const report_readme readme = {rows, settings, command->readme, command->figures};
+    peer_rows peers = {0};
+    const bool done =
+        add_peers(command, path, &peers) &&
+        tool_succeeds("report", "means", report_add_means(rows) ? SHB_OK : SHB_ERROR_MEMORY) &&
+        write_page(&command->options, settings, rows, &peers) &&
+        (!command->readme || report_readme_write(&readme));
+    free(peers.rows);
+    return done;
+}
+
 static bool write_report(shb_context *context, report_command *command) {
     report_options *options = &command->options;
     char path[512], settings[192];
@@ -100,12 +128,7 @@ static bool write_report(shb_context *context, report_command *command) {
     if (done)
         printf("%zu rows: %s\n", rows.count, path);
     done = done && report_studies_run(context, options, settings) &&
-           tool_succeeds("report", "means", report_add_means(&rows) ? SHB_OK : SHB_ERROR_MEMORY) &&
-           write_page(options, settings, &rows);
-    if (command->readme) {
-        const report_readme readme = {&rows, settings, command->readme, command->figures};
-        done = done && report_readme_write(&readme);
-    }
+           show_rows(command, settings, path, &rows);
     report_rows_free(&rows);
     return done;
 }
