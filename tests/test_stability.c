@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "stability/boxes.h"
 #include "stability/heat_map.h"
 #include "stability/report.h"
 #include "stability/tune.h"
@@ -29,7 +30,7 @@ static shb_errors errors_in(stability_stage *stage, const char *name) {
 
 static stability_stage stage_of(shb_context *context, const stability_case *c) {
     stability_stage stage;
-    CHECK_INT(stability_stage_open(context, c, WIDTH, HEIGHT, &stage), SHB_OK);
+    CHECK_INT(stability_stage_open(context, c, WIDTH, HEIGHT, 1, &stage), SHB_OK);
     return stage;
 }
 
@@ -229,4 +230,54 @@ TEST(cells_of_the_heat_map_show_the_digits_of_a_rate) {
     CHECK_INT(heat_map_digits(10), 2);
     CHECK_INT(heat_map_digits(999999), 6);
     CHECK_INT(heat_map_digits(1e6), 7);
+}
+
+typedef struct box_row {
+    unsigned long long lit, shadowed;
+    double lit_error, bad_lit, shadowed_error;
+} box_row;
+
+/* The mean of a single case. */
+static box_row box_row_of(shb_context *context, const char *name, const char *method,
+                          uint32_t box) {
+    const stability_options options = {
+        .method = method, .subject = name, .box = box, .quick = true};
+    box_row row = {0};
+    char line[256] = "";
+    FILE *file = tmpfile();
+    if (!CHECK(file != NULL))
+        return row;
+    CHECK(stability_run_boxes(context, &options, file));
+    rewind(file);
+    while (fgets(line, sizeof line, file) && strncmp(line, "ALL", 3) != 0)
+        ;
+    fclose(file);
+    CHECK_INT(sscanf(line, "ALL\tALL\t%*s\t%llu\t%llu\t%lf\t%lf\t%lf", &row.lit, &row.shadowed,
+                     &row.lit_error, &row.bad_lit, &row.shadowed_error),
+              5);
+    return row;
+}
+
+/* Without bias half of the taps on a lone plane are in false shadow, and nearly every fragment has
+ * some of them; with the plane in every tap none is. */
+TEST(boxes_are_judged_by_the_mean_error_of_lit_fragments) {
+    shb_context *context = create_context();
+    const box_row none = box_row_of(context, "plane-45", "none", 5);
+    const box_row plane = box_row_of(context, "plane-45", "exact-planes", 5);
+    CHECK(none.lit > 1000 && none.lit == plane.lit && none.shadowed == 0);
+    CHECK_NEAR(none.lit_error, 5e5, 2e4);
+    CHECK(none.bad_lit > 9e5);
+    CHECK(plane.lit_error == 0 && plane.bad_lit == 0);
+    shb_context_destroy(context);
+}
+
+/* Larger boxes leave less that is far from silhouettes. */
+TEST(boxes_are_judged_where_no_silhouette_is_in_them) {
+    shb_context *context = create_context();
+    const box_row small = box_row_of(context, "scale-1", "exact-triangles", 3);
+    const box_row large = box_row_of(context, "scale-1", "exact-triangles", 31);
+    CHECK(large.lit > 1000 && large.lit < small.lit);
+    CHECK(large.shadowed > 100 && large.shadowed < small.shadowed);
+    CHECK(small.lit_error < 50 && small.shadowed_error < 50);
+    shb_context_destroy(context);
 }

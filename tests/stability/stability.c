@@ -1,6 +1,7 @@
 /* stability: every bias method in many cases, with the papers' parameters and with parameters
  * tuned to the case, against the truth. */
 #include "arguments.h"
+#include "boxes.h"
 #include "heat_map.h"
 #include "report.h"
 #include "suite.h"
@@ -43,10 +44,9 @@ static bool write_files(const char *directory, const stability_rows *rows) {
     return tool_succeeds("stability", directory, heat_map_write(rows, directory));
 }
 
-static int run(const stability_options *options) {
-    shb_context *context = tool_create_context("stability", 0, SHB_ISA_BEST);
+static bool run_single_taps(shb_context *context, const stability_options *options) {
     stability_rows rows = {0};
-    bool done = context && stability_run(context, options, &rows);
+    bool done = stability_run(context, options, &rows);
     if (done && options->tsv)
         stability_print_tsv(stdout, &rows);
     else if (done)
@@ -54,6 +54,13 @@ static int run(const stability_options *options) {
     if (done && options->directory)
         done = write_files(options->directory, &rows);
     stability_rows_free(&rows);
+    return done;
+}
+
+static int run(const stability_options *options) {
+    shb_context *context = tool_create_context("stability", 0, SHB_ISA_BEST);
+    const bool done = context && (options->box ? stability_run_boxes(context, options, stdout)
+                                               : run_single_taps(context, options));
     shb_context_destroy(context);
     return done && fflush(stdout) == 0 ? TOOL_OK : TOOL_FAILED;
 }
@@ -65,6 +72,8 @@ int main(int argc, char **argv) {
         {"--quick", NULL, "few cases, small frames", ARGUMENT_FLAG, &options.quick, 0, 0},
         {"--method", "NAME", "only this bias method", ARGUMENT_TEXT, &options.method, 0, 0},
         {"--case", "NAME", "only this case", ARGUMENT_TEXT, &options.subject, 0, 0},
+        {"--box", "N", "judge pcf over N x N texels, away from silhouettes in all of them",
+         ARGUMENT_COUNT, &options.box, 1, 63},
         {"--tsv", NULL, "print every row, tab-separated", ARGUMENT_FLAG, &options.tsv, 0, 0},
         {"--out", "DIR", "write stability.tsv, heat.ppm and heat.svg", ARGUMENT_TEXT,
          &options.directory, 0, 0},

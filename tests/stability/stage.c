@@ -118,10 +118,14 @@ static shb_result open_frame(stability_stage *stage, uint32_t width, uint32_t he
     return result;
 }
 
+/* A boundary is near within a texel, so the texels of the map for that are as large as the reach.
+ */
 static shb_result classify_pixels(stability_stage *stage, const shb_reference *reference,
-                                  uint8_t *pixels) {
+                                  uint32_t reach, uint8_t *pixels) {
     shb_map *map = NULL;
-    shb_result result = shb_map_create(stage->context, &stage->map, &map);
+    shb_map_desc desc = stage->map;
+    desc.width = desc.width > reach ? desc.width / reach : 1;
+    shb_result result = shb_map_create(stage->context, &desc, &map);
     const shb_classify_desc classify = {
         .frame = stage->frame.frame, .map = map, .min_cosine = STABILITY_MIN_COSINE};
     if (!result)
@@ -130,7 +134,7 @@ static shb_result classify_pixels(stability_stage *stage, const shb_reference *r
     return result;
 }
 
-static shb_result find_truth(stability_stage *stage) {
+static shb_result find_truth(stability_stage *stage, uint32_t reach) {
     const measure_frame *frame = &stage->frame;
     shb_reference *reference = NULL;
     uint8_t *pixels = malloc((size_t)frame->frame.width * frame->frame.height);
@@ -139,7 +143,7 @@ static shb_result find_truth(stability_stage *stage) {
     if (!result)
         result = shb_reference_create(stage->context, &stage->scene->scene, &reference);
     if (!result)
-        result = classify_pixels(stage, reference, pixels);
+        result = classify_pixels(stage, reference, reach, pixels);
     if (!result)
         for (size_t i = 0; i < frame->fragment_count; i++)
             stage->truth[i] = pixels[frame->pixels[i]];
@@ -149,7 +153,7 @@ static shb_result find_truth(stability_stage *stage) {
 }
 
 shb_result stability_stage_open(shb_context *context, const stability_case *c, uint32_t width,
-                                uint32_t height, stability_stage *stage) {
+                                uint32_t height, uint32_t reach, stability_stage *stage) {
     const uint32_t map_size = c->map_size ? c->map_size : STABILITY_MAP_SIZE;
     *stage = (stability_stage){.context = context,
                                .scene = calloc(1, sizeof *stage->scene),
@@ -162,7 +166,7 @@ shb_result stability_stage_open(shb_context *context, const stability_case *c, u
         result = open_frame(stage, width, height);
     }
     if (!result)
-        result = find_truth(stage);
+        result = find_truth(stage, reach);
     if (result)
         stability_stage_close(stage);
     return result;

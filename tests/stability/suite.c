@@ -37,12 +37,16 @@ static shb_result run_method(stability_stage *stage, const stability_case *c,
     return result;
 }
 
-static bool run_case(shb_context *context, const stability_options *options,
-                     const stability_case *c, stability_rows *rows) {
+shb_result stability_open(shb_context *context, const stability_options *options,
+                          const stability_case *c, uint32_t reach, stability_stage *stage) {
     const uint32_t width = options->quick ? 160 : 320, height = options->quick ? 120 : 240;
+    return stability_stage_open(context, c, width, height, reach, stage);
+}
+
+static bool run_case(shb_context *context, const stability_options *options,
+                     const stability_case *c, void *rows) {
     stability_stage stage;
-    bool done = tool_succeeds("stability", c->name,
-                              stability_stage_open(context, c, width, height, &stage));
+    bool done = tool_succeeds("stability", c->name, stability_open(context, options, c, 1, &stage));
     listed_method method;
     for (size_t i = 0; done && method_list_at(i, &method); i++)
         if (stability_wants_method(options, method.name))
@@ -68,7 +72,8 @@ static void show_progress(progress_line *progress, const stability_case *c) {
     progress_step(progress, step);
 }
 
-bool stability_run(shb_context *context, const stability_options *options, stability_rows *rows) {
+bool stability_each_case(shb_context *context, const stability_options *options,
+                         stability_case_fn *run, void *user) {
     progress_line progress;
     progress_begin(&progress, count_cases(options));
     bool succeeds = true;
@@ -77,8 +82,12 @@ bool stability_run(shb_context *context, const stability_options *options, stabi
         if (!stability_wants_case(options, c))
             continue;
         show_progress(&progress, c);
-        succeeds = run_case(context, options, c, rows);
+        succeeds = run(context, options, c, user);
     }
     progress_end(&progress);
     return succeeds;
+}
+
+bool stability_run(shb_context *context, const stability_options *options, stability_rows *rows) {
+    return stability_each_case(context, options, run_case, rows);
 }

@@ -8,6 +8,7 @@
 typedef struct stability_options {
     const char *method;  /* only this one, or NULL */
     const char *subject; /* only this case, or NULL */
+    uint32_t box;        /* texels on a side of a filter, 0: a single one */
     bool quick;
     bool tsv;
     const char *directory; /* for files, or NULL */
@@ -15,6 +16,16 @@ typedef struct stability_options {
 
 bool stability_wants_method(const stability_options *options, const char *name);
 bool stability_wants_case(const stability_options *options, const stability_case *c);
+
+/* The stage of a case, with the frame of the options. */
+shb_result stability_open(shb_context *context, const stability_options *options,
+                          const stability_case *c, uint32_t reach, stability_stage *stage);
+
+/* Does something for every wanted case, until it fails. */
+typedef bool stability_case_fn(shb_context *context, const stability_options *options,
+                               const stability_case *c, void *user);
+bool stability_each_case(shb_context *context, const stability_options *options,
+                         stability_case_fn *run, void *user);
 
 /* Measures everything that the options ask for. False, and a line on stderr, if something fails. */
 bool stability_run(shb_context *context, const stability_options *options, stability_rows *rows);
