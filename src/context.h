@@ -26,6 +26,7 @@ struct shb_context {
     shb_buffer draw_scratch[17]; /* drawing's own, named in scratch.h */
     shb_buffer map_scratch[4];   /* layers that a map combines */
     shb_buffer list_scratch[16]; /* building lists, named in lists_scratch.h */
+    shb_buffer sheet_scratch[6]; /* finding sheets, named in sheets_bin.h */
 };
 
 /* count * size bytes on a 64-byte boundary, or NULL when the product overflows or memory is out.

@@ -9,7 +9,7 @@
  * triangle turns round if its third corner lies on the near side of the edge that leads to it: told
  * by places, whatever the winding. */
 #define SHB_WALK_MAX 256
-uint32_t shb_exact_walk(const shb_occluder_mesh *mesh, uint32_t triangle, const double from[2],
+uint32_t shb_exact_walk(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
                         const double to[2]);
 
 #endif

@@ -89,6 +89,7 @@ static shb_result make_map(shb_context *context, const char *caller, const shb_m
                              .scene_scale = desc->scene_scale,
                              .occluders = desc->occluders},
                     .lists_cap = desc->occluder_memory,
+                    .classifies = desc->classifies,
                     .depth = {.format = desc->format}};
     if (shb_mat4_inverse(desc->view.clip_from_world, world_from_clip) != SHB_OK ||
         shb_view_light_source(&desc->view, &made.info.light) != SHB_OK)
@@ -184,6 +185,9 @@ shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const vo
         result = shb_fail(context, SHB_ERROR_UNSUPPORTED,
                           "shb_map_wrap: desc.occluders %d cannot be known of a host's depths",
                           (int)desc->occluders);
+    if (result == SHB_OK && desc->classifies)
+        result = shb_fail(context, SHB_ERROR_UNSUPPORTED,
+                          "shb_map_wrap: desc.classifies needs more than a host's depths");
     shb_map *made;
     shb_mat4 world_from_clip;
     if (result == SHB_OK)

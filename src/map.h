@@ -2,8 +2,8 @@
 #ifndef SRC_MAP_H
 #define SRC_MAP_H
 
-#include "context.h"
-#include "shadowbias/map.h"
+#include "light_mesh.h"
+#include "sheets.h"
 
 /* What turns a world position into map coordinates, once per map, in double. */
 typedef struct shb_projection {
@@ -36,14 +36,6 @@ typedef struct shb_occluder_plane {
     double z, slope_x, slope_y, error;
 } shb_occluder_plane;
 
-/* Triangles of a scene as one mesh, vertices welded where they are equal. */
-typedef struct shb_occluder_mesh {
-    uint32_t (*corners)[3];
-    uint32_t (*neighbours)[3]; /* beyond the edge from corner k to the next; SHB_ID_NONE: none */
-    double (*places)[2];       /* of the vertices in the map, texels; NaN behind the light */
-    size_t place_count;
-} shb_occluder_mesh;
-
 /* What a map keeps of its occluders. */
 typedef struct shb_occluder_data {
     bool held;         /* by the latest drawing */
@@ -52,7 +44,10 @@ typedef struct shb_occluder_data {
     double slope_unit; /* a power of two */
     size_t plane_count; /* triangles of the scene */
     shb_occluder_plane *planes;
-    shb_occluder_mesh mesh;
+    shb_topology topology; /* of the latest scene, kept for the next drawing */
+    shb_light_mesh mesh;
+    shb_sheets sheets;
+    shb_sheet_bins bins; /* while a scene is drawn */
 } shb_occluder_data;
 
 /* What a filter made of the map's depths; by what, as in shb_filter. */
@@ -73,8 +68,9 @@ struct shb_map {
     shb_prepared prepared[SHB_PREPARED_MAX];
     int prepared_count;
     shb_depth_image depth;
-    bool owned;    /* texels were allocated by the map */
-    bool empty;    /* owned and not drawn yet: serves every method */
+    bool owned; /* texels were allocated by the map */
+    bool empty; /* owned and not drawn yet: serves every method */
+    bool classifies;
     bool measures; /* scene_scale is that of what is drawn */
     /* what the depths are: the method's combine stage and culling */
     shb_combine_fn *combine;

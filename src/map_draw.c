@@ -127,25 +127,29 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
         if (result != SHB_OK)
             return result;
     }
+    const bool prepares = keeps_texels || map->classifies;
+    if (prepares && !shb_occluders_prepare(map, scene, keeps_texels, &occluders)) {
+        shb_lists_recycle(lists);
+        return shb_fail(map->context, SHB_ERROR_MEMORY,
+                        "shb_map_draw: no memory for the occluders of %llu triangles",
+                        (unsigned long long)shb_scene_triangle_count(scene));
+    }
     if (keeps_texels) {
-        if (!shb_occluders_prepare(map, scene, &occluders))
-            return shb_fail(map->context, SHB_ERROR_MEMORY,
-                            "shb_map_draw: no memory for the occluders of %llu triangles",
-                            (unsigned long long)shb_scene_triangle_count(scene));
         desc.ids = occluders.texels;
         desc.id_stride = occluders.stride;
     }
     result = shb_draw(map->context, &desc, stats);
     if (result != SHB_OK) {
-        if (keeps_texels)
-            shb_occluders_release(map->context, &occluders);
+        if (prepares)
+            shb_occluders_release(map, &occluders);
         shb_lists_recycle(lists);
         return result;
     }
     if (combines)
         combine_rows(map, bias, &drawn);
-    if (keeps_texels)
-        shb_occluders_finish(map, &occluders);
+    set_lists(map, NULL);
+    if (prepares)
+        shb_occluders_finish(map, keeps_texels, &occluders);
     set_lists(map, lists);
     shb_prepared_release(map);
     map->occluders.held = keeps;

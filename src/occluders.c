@@ -4,7 +4,6 @@
 
 #include "format.h"
 #include "half.h"
-#include "occluder_mesh.h"
 #include "occluder_planes.h"
 
 #include <float.h>
@@ -40,6 +39,9 @@ static double choose_slope_unit(const shb_map *map) {
 
 bool shb_occluders_create(shb_map *map) {
     shb_occluder_data *data = &map->occluders;
+    if (map->classifies && !shb_sheets_create(map, &data->sheets))
+        return false;
+    map->info.memory_bytes += data->sheets.stride * data->sheets.height * sizeof(float);
     if (map->info.occluders == SHB_OCCLUDERS_NONE || map->info.occluders == SHB_OCCLUDERS_LISTS)
         return true;
     data->slope_unit = choose_slope_unit(map);
@@ -50,30 +52,61 @@ bool shb_occluders_create(shb_map *map) {
 }
 
 void shb_occluders_destroy(shb_map *map) {
-    shb_occluders_release(map->context, &map->occluders);
+    shb_occluders_release(map, &map->occluders);
+    shb_topology_release(map->context, &map->occluders.topology);
+    shb_sheets_destroy(map->context, &map->occluders.sheets);
     shb_free(map->context, map->occluders.texels);
 }
 
-void shb_occluders_release(const shb_context *context, shb_occluder_data *data) {
+/* All that a drawing makes, but a topology that stays. */
+static void release_drawn(const shb_context *context, shb_occluder_data *data) {
     shb_free(context, data->planes);
-    shb_occluder_mesh_release(context, &data->mesh);
+    shb_light_mesh_release(context, &data->mesh);
     data->planes = NULL;
     data->plane_count = 0;
 }
 
-bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, shb_occluder_data *made) {
+void shb_occluders_release(const shb_map *map, shb_occluder_data *data) {
+    release_drawn(map->context, data);
+    if (data->topology.corners != map->occluders.topology.corners)
+        shb_topology_release(map->context, &data->topology);
+}
+
+/* The map's own if the scene is the same. */
+static bool find_topology(const shb_map *map, const shb_scene *scene, shb_topology *topology) {
+    const uint64_t key = shb_topology_key(scene);
+    *topology = map->occluders.topology;
+    return (topology->corners && topology->key == key &&
+            topology->triangle_count == shb_scene_triangle_count(scene)) ||
+           shb_topology_make(map->context, scene, key, topology);
+}
+
+bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keeps,
+                           shb_occluder_data *made) {
+    const shb_context *context = map->context;
     const size_t count = (size_t)shb_scene_triangle_count(scene);
-    const bool links = map->info.occluders == SHB_OCCLUDERS_TRIANGLES;
+    const bool walks = keeps && map->info.occluders == SHB_OCCLUDERS_TRIANGLES;
+    const bool planes = keeps && (walks || map->info.occluders == SHB_OCCLUDERS_PLANES);
     *made = map->occluders;
-    made->mesh = (shb_occluder_mesh){0};
+    made->mesh = (shb_light_mesh){0};
     made->plane_count = count;
-    made->planes = shb_alloc(map->context, count, sizeof *made->planes);
-    if (!made->planes || (links && !shb_occluder_mesh_make(map, scene, count, &made->mesh))) {
-        shb_occluders_release(map->context, made);
-        return false;
-    }
-    shb_occluder_planes_make(map, scene, count, made->planes);
-    return true;
+    made->planes = NULL;
+    bool done = true;
+    if (planes)
+        done = (made->planes = shb_alloc(context, count, sizeof *made->planes)) != NULL;
+    if (done && map->classifies)
+        done = shb_sheet_bins_reserve(map->context, &map->info, count, &made->bins);
+    if (done && (walks || map->classifies))
+        done = find_topology(map, scene, &made->topology) &&
+               shb_light_mesh_make(map->context, &map->info, &made->topology, walks, &made->mesh,
+                                   map->classifies ? made->bins.boxes : NULL);
+    if (done && map->classifies)
+        done = shb_sheet_bins_fill(map->context, &made->bins);
+    if (!done)
+        shb_occluders_release(map, made);
+    else if (planes)
+        shb_occluder_planes_make(map, scene, count, made->planes);
+    return done;
 }
 
 /* Rounded away from the light, by less than two units in the last place. */
@@ -122,24 +155,33 @@ static void resolve_row(void *arg, size_t row) {
 }
 
 static size_t texel_bytes(const shb_map *map) {
-    return (map->depth.stride + map->occluders.stride) * map->info.height;
+    const shb_sheets *sheets = &map->occluders.sheets;
+    return (map->depth.stride + map->occluders.stride) * map->info.height +
+           sheets->stride * sheets->height * sizeof *sheets->bounds;
 }
 
 static size_t scene_bytes(const shb_occluder_data *data) {
-    const size_t triangle =
-        sizeof *data->planes + sizeof *data->mesh.corners + sizeof *data->mesh.neighbours;
-    return data->plane_count * triangle + data->mesh.place_count * sizeof *data->mesh.places;
+    const size_t vertex = data->mesh.vertices ? sizeof *data->mesh.vertices : 0;
+    const size_t triangle = data->planes ? sizeof *data->planes + sizeof *data->mesh.facing : 0;
+    return data->plane_count * triangle + data->topology.vertex_count * vertex +
+           shb_topology_bytes(&data->topology);
 }
 
-void shb_occluders_finish(shb_map *map, const shb_occluder_data *made) {
-    shb_occluders_release(map->context, &map->occluders);
+void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *made) {
+    const shb_context *context = map->context;
+    release_drawn(context, &map->occluders);
+    if (map->occluders.topology.corners != made->topology.corners)
+        shb_topology_release(context, &map->occluders.topology);
     map->occluders = *made;
-    map->occluders.held = true;
-    if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES) {
-        map->info.memory_bytes = texel_bytes(map) + scene_bytes(made);
-        return;
+    shb_occluder_data *data = &map->occluders;
+    data->mesh.topology = &data->topology;
+    if (map->classifies)
+        shb_sheets_find(map, &data->mesh, &data->bins);
+    if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES) {
+        resolve_job job = {map, data->planes};
+        shb_parallel_for(context, resolve_row, &job, map->info.height);
     }
-    resolve_job job = {map, made->planes};
-    shb_parallel_for(map->context, resolve_row, &job, map->info.height);
-    shb_occluders_release(map->context, &map->occluders);
+    if (!keeps || map->info.occluders != SHB_OCCLUDERS_TRIANGLES)
+        release_drawn(context, data);
+    map->info.memory_bytes = texel_bytes(map) + scene_bytes(data);
 }

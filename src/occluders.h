@@ -9,16 +9,16 @@
 bool shb_occluders_create(shb_map *map);
 void shb_occluders_destroy(shb_map *map);
 
-/* What is prepared for a scene before it is drawn; false: out of memory, the map keeps what it
- * held.
- */
-bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, shb_occluder_data *made);
+/* What is prepared for a scene before it is drawn; keeps: for the exact method, too. False: out of
+ * memory, the map keeps what it held. */
+bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keeps,
+                           shb_occluder_data *made);
 
 /* Takes over what was prepared, after depths and ids (in the map's occluder texels) were drawn. */
-void shb_occluders_finish(shb_map *map, const shb_occluder_data *made);
+void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *made);
 
-/* Frees what belongs to a scene. */
-void shb_occluders_release(const shb_context *context, shb_occluder_data *data);
+/* Frees what was prepared and is not taken over. */
+void shb_occluders_release(const shb_map *map, shb_occluder_data *made);
 
 static inline uint32_t *shb_occluder_row(const shb_map *map, int32_t row) {
     return (uint32_t *)(void *)((char *)map->occluders.texels +

@@ -1,6 +1,7 @@
 #include "visibility.h"
 
 #include "kernels/shade.h"
+#include "kernels/sheets.h"
 #include "prepare.h"
 
 #include <string.h>
@@ -195,6 +196,37 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
                  batch.normal_y, batch.normal_z);
         shb_visibility_batch(map, bias, filter ? filter : &hard, count, &batch, batch_visibility);
         memcpy(visibility + first, batch_visibility, count * sizeof *visibility);
+    }
+    return SHB_OK;
+}
+
+shb_result shb_map_classify(const shb_map *map, const shb_points *points, uint8_t *answers) {
+    if (!map)
+        return SHB_ERROR_ARGUMENT;
+    const shb_context *context = map->context;
+    if (!points || !answers)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_map_classify: %s is NULL",
+                        points ? "answers" : "points");
+    const shb_result result = shb_points_check(context, "shb_map_classify", points);
+    if (result != SHB_OK)
+        return result;
+    if (!map->classifies)
+        return shb_fail(context, SHB_ERROR_UNSUPPORTED,
+                        "shb_map_classify: the map was created without desc.classifies");
+    const size_t stride = points->position_stride ? points->position_stride : 12;
+    const shb_sheet_kernels *kernels = shb_sheet_kernels_of(context->isa);
+    SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH];
+    SHB_ALIGN int32_t batch[SHB_BATCH];
+    for (size_t first = 0; first < points->count; first += SHB_BATCH) {
+        const size_t left = points->count - first;
+        const size_t count = left < SHB_BATCH ? left : SHB_BATCH;
+        load(context->shade_kernels, points->positions, stride, first, count, x, y, z);
+        if (map->empty)
+            memset(batch, 0, sizeof batch);
+        else
+            kernels->ask(&map->occluders.sheets, count, x, y, z, batch);
+        for (size_t i = 0; i < count; i++)
+            answers[first + i] = (uint8_t)batch[i];
     }
     return SHB_OK;
 }

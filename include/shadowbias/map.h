@@ -21,6 +21,8 @@ typedef struct shb_map_desc {
                                 that would keep more are made for texels twice as large, or four
                                 times, and so on: the answers are the same, only slower. Drawing
                                 fails with SHB_ERROR_MEMORY where one texel's would keep more */
+    bool classifies; /* drawing finds what shb_map_classify answers from: 4 bytes a texel, and some
+                        40 a triangle to know them again when the same scene is drawn next */
 } shb_map_desc;
 
 /* An empty map: every fragment is lit, by any method. Both ways to make a map fail with
@@ -84,6 +86,25 @@ typedef struct shb_points {
  * NULL pointers or bad strides. */
 shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,
                               const shb_filter *filter, float *visibility);
+
+/* What is known for certain of the light at a point. */
+enum {
+    SHB_LIGHT_UNSURE = 0,
+    SHB_LIGHT_LIT = 1,     /* nothing stands between point and light */
+    SHB_LIGHT_SHADOWED = 2 /* something does */
+};
+
+/* answers[i]: SHB_LIGHT_* of point i, for hosts that cast rays: only points that are unsure need
+ * one. What is said for certain is never wrong: if the point lies on the surface of the scene that
+ * was drawn, within half a unit in the last place of each coordinate, it is what a ray to the light
+ * finds in exact arithmetic, triangles culled or not. (SHB_LIGHT_SHADOWED holds for any point; one
+ * that floats just behind a surface may be called lit.) What lies in front of the near plane casts
+ * no shadow. Unsure are points near an edge, seen from the light, of what is nearest to it: an open
+ * edge, a silhouette, a line of contact; and those outside the view or with coordinates so large
+ * that rounding moves them by 1/32 texel. The map must have been drawn with desc.classifies:
+ * SHB_ERROR_UNSUPPORTED, unless it is empty, when all is unsure. Normals are not read. Other errors
+ * as shb_map_visibility. Allocates nothing; any thread, any number at a time. */
+shb_result shb_map_classify(const shb_map *map, const shb_points *points, uint8_t *answers);
 
 #ifdef __cplusplus
 }

@@ -12,5 +12,7 @@ SHB_TARGET_BEGIN("avx2")
 #include "k_shade.inl"
 #define LIST_KERNELS shb_list_kernels_avx2
 #include "k_lists.inl"
+#define SHEET_KERNELS shb_sheet_kernels_avx2
+#include "k_sheets.inl"
 SHB_TARGET_END
 #endif

@@ -13,5 +13,7 @@ SHB_TARGET_BEGIN("avx2,avx512f,avx512vl,avx512dq,avx512bw")
 #include "k_shade.inl"
 #define LIST_KERNELS shb_list_kernels_avx512
 #include "k_lists.inl"
+#define SHEET_KERNELS shb_sheet_kernels_avx512
+#include "k_sheets.inl"
 SHB_TARGET_END
 #endif

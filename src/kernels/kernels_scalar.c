@@ -13,3 +13,5 @@
 #include "k_shade.inl"
 #define LIST_KERNELS shb_list_kernels_scalar
 #include "k_lists.inl"
+#define SHEET_KERNELS shb_sheet_kernels_scalar
+#include "k_sheets.inl"

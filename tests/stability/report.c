@@ -55,6 +55,46 @@ void stability_print_tsv(FILE *stream, const stability_rows *rows) {
     print_each_mean(stream, rows, print_tsv_mean);
 }
 
+static double unsure_ppm(const stability_certain *certain) {
+    return certain->fragments ? 1e6 * (double)certain->unsure / (double)certain->fragments : 0;
+}
+
+/* Sums over all cases; ppm: mean over those that have fragments. */
+static stability_certain sum_certain(const stability_rows *rows, double *ppm) {
+    stability_certain sum = {0};
+    size_t any = 0;
+    *ppm = 0;
+    for (size_t i = 0; i < rows->certain_count; i++) {
+        const stability_certain *one = &rows->certain[i];
+        sum.fragments += one->fragments;
+        sum.unsure += one->unsure;
+        sum.false_shadow += one->false_shadow;
+        sum.false_light += one->false_light;
+        *ppm += unsure_ppm(one);
+        any += one->fragments > 0;
+    }
+    *ppm /= any ? (double)any : 1;
+    return sum;
+}
+
+static void print_certain(FILE *stream, const char *name, const char *group, double ppm,
+                          const stability_certain *certain) {
+    fprintf(stream, "%s\t%s\t%llu\t%llu\t%.3f\t%llu\t%llu\n", name, group,
+            (unsigned long long)certain->fragments, (unsigned long long)certain->unsure, ppm,
+            (unsigned long long)certain->false_shadow, (unsigned long long)certain->false_light);
+}
+
+void stability_print_certain(FILE *stream, const stability_rows *rows) {
+    double mean;
+    const stability_certain sum = sum_certain(rows, &mean);
+    fprintf(stream, "case\tgroup\tfragments\tunsure\tunsure_ppm\tfalse_shadow\tfalse_light\n");
+    for (size_t i = 0; i < rows->certain_count; i++) {
+        const stability_certain *one = &rows->certain[i];
+        print_certain(stream, one->subject->name, one->subject->group, unsure_ppm(one), one);
+    }
+    print_certain(stream, "ALL", "ALL", mean, &sum);
+}
+
 static void print_readable_mean(FILE *stream, const char *method, stability_setting setting,
                                 const stability_rates *mean, const stability_row *worst) {
     fprintf(stream, "%-16s %-8s %10.1f %10.1f %10.1f %10.1f %10.1f  %s %.0f\n", method,
@@ -70,4 +110,13 @@ void stability_print_means(FILE *stream, const stability_rows *rows) {
     fprintf(stream, "%-16s %-8s %10s %10s %10s %10s %10s\n", "", "", "shadow far", "light far",
             "shad. near", "light near", "in all");
     print_each_mean(stream, rows, print_readable_mean);
+    if (!rows->certain_count)
+        return;
+    double mean;
+    const stability_certain sum = sum_certain(rows, &mean);
+    fprintf(
+        stream,
+        "certain answers: %llu wrong of %llu fragments, %.2f %% unsure, %.2f %% mean over cases\n",
+        (unsigned long long)(sum.false_shadow + sum.false_light), (unsigned long long)sum.fragments,
+        1e-4 * unsure_ppm(&sum), 1e-4 * mean);
 }

@@ -10,7 +10,11 @@
  * case "ALL". */
 void stability_print_tsv(FILE *stream, const stability_rows *rows);
 
-/* The means and the worst case of each method, for people. */
+/* Shares of certain answers, case by case, in the same way: ppm of unsure fragments, and wrong
+ * answers. */
+void stability_print_certain(FILE *stream, const stability_rows *rows);
+
+/* The means and the worst case of each method, and of certain answers, for people. */
 void stability_print_means(FILE *stream, const stability_rows *rows);
 
 #endif

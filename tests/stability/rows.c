@@ -3,21 +3,38 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The array with room for one more; NULL: out of memory, it is as it was. */
+static void *grow(void *array, size_t count, size_t *capacity, size_t size) {
+    if (count < *capacity)
+        return array;
+    const size_t wanted = *capacity ? 2 * *capacity : 256;
+    void *grown = realloc(array, wanted * size);
+    *capacity = grown ? wanted : *capacity;
+    return grown;
+}
+
 bool stability_rows_add(stability_rows *rows, stability_row row) {
-    if (rows->count == rows->capacity) {
-        const size_t capacity = rows->capacity ? 2 * rows->capacity : 256;
-        stability_row *grown = realloc(rows->rows, capacity * sizeof *grown);
-        if (!grown)
-            return false;
-        rows->rows = grown;
-        rows->capacity = capacity;
-    }
+    stability_row *grown = grow(rows->rows, rows->count, &rows->capacity, sizeof row);
+    if (!grown)
+        return false;
+    rows->rows = grown;
     rows->rows[rows->count++] = row;
+    return true;
+}
+
+bool stability_rows_add_certain(stability_rows *rows, stability_certain certain) {
+    stability_certain *grown =
+        grow(rows->certain, rows->certain_count, &rows->certain_capacity, sizeof certain);
+    if (!grown)
+        return false;
+    rows->certain = grown;
+    rows->certain[rows->certain_count++] = certain;
     return true;
 }
 
 void stability_rows_free(stability_rows *rows) {
     free(rows->rows);
+    free(rows->certain);
     *rows = (stability_rows){0};
 }
 

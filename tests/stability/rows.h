@@ -26,14 +26,24 @@ typedef struct stability_row {
     stability_rates rates;
 } stability_row;
 
+/* What a map says for certain of a case's fragments. */
+typedef struct stability_certain {
+    const stability_case *subject;
+    uint64_t fragments, unsure;
+    uint64_t false_shadow, false_light; /* wrong all the same */
+} stability_certain;
+
 /* Rows in the order of cases, methods, settings. Zero-initialised is empty. */
 typedef struct stability_rows {
     stability_row *rows;
     size_t count, capacity;
+    stability_certain *certain; /* one a case */
+    size_t certain_count, certain_capacity;
 } stability_rows;
 
 /* False: out of memory. */
 bool stability_rows_add(stability_rows *rows, stability_row row);
+bool stability_rows_add_certain(stability_rows *rows, stability_certain certain);
 void stability_rows_free(stability_rows *rows);
 
 stability_rates stability_rates_of(const shb_errors *errors);

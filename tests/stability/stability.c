@@ -29,18 +29,26 @@ static bool find_case(const char *name) {
     return false;
 }
 
-static bool write_files(const char *directory, const stability_rows *rows) {
+static bool write_table(const char *directory, const char *name, const stability_rows *rows,
+                        void (*print)(FILE *stream, const stability_rows *rows)) {
     char path[1024];
-    mkdir(directory, 0777);
-    if (snprintf(path, sizeof path, "%s/stability.tsv", directory) >= (int)sizeof path) {
+    if (snprintf(path, sizeof path, "%s/%s", directory, name) >= (int)sizeof path) {
         fprintf(stderr, "stability: --out: the path is too long\n");
         return false;
     }
     FILE *file = fopen(path, "w");
     if (file)
-        stability_print_tsv(file, rows);
+        print(file, rows);
     if (!file || fclose(file) != 0)
         return tool_succeeds("stability", path, SHB_ERROR_FILE);
+    return true;
+}
+
+static bool write_files(const char *directory, const stability_rows *rows) {
+    mkdir(directory, 0777);
+    if (!write_table(directory, "stability.tsv", rows, stability_print_tsv) ||
+        !write_table(directory, "certain.tsv", rows, stability_print_certain))
+        return false;
     return tool_succeeds("stability", directory, heat_map_write(rows, directory));
 }
 
@@ -75,7 +83,7 @@ int main(int argc, char **argv) {
         {"--box", "N", "judge pcf over N x N texels, away from silhouettes in all of them",
          ARGUMENT_COUNT, &options.box, 1, 63},
         {"--tsv", NULL, "print every row, tab-separated", ARGUMENT_FLAG, &options.tsv, 0, 0},
-        {"--out", "DIR", "write stability.tsv, heat.ppm and heat.svg", ARGUMENT_TEXT,
+        {"--out", "DIR", "write stability.tsv, certain.tsv, heat.ppm and heat.svg", ARGUMENT_TEXT,
          &options.directory, 0, 0},
         {"--help", NULL, "print this", ARGUMENT_FLAG, &help, 0, 0},
     };

@@ -195,3 +195,31 @@ shb_result stability_draw_map(const stability_stage *stage, const listed_method 
         *map = drawn;
     return result;
 }
+
+static void add_answer(uint8_t truth, uint8_t answer, stability_certain *certain) {
+    const bool lit = truth & SHB_TRUTH_LIT, shadowed = truth & SHB_TRUTH_SHADOWED;
+    certain->fragments += lit || shadowed;
+    certain->unsure += (lit || shadowed) && answer == SHB_LIGHT_UNSURE;
+    certain->false_shadow += lit && answer == SHB_LIGHT_SHADOWED;
+    certain->false_light += shadowed && answer == SHB_LIGHT_LIT;
+}
+
+shb_result stability_ask_certain(const stability_stage *stage, stability_certain *certain) {
+    const measure_frame *frame = &stage->frame;
+    const shb_points points = {.count = frame->fragment_count, .positions = frame->positions};
+    uint8_t *answers = malloc(frame->fragment_count + 1);
+    shb_map *map = NULL;
+    shb_map_desc desc = stage->map;
+    desc.classifies = true;
+    shb_result result = answers ? shb_map_create(stage->context, &desc, &map) : SHB_ERROR_MEMORY;
+    if (!result)
+        result = shb_map_draw(map, &stage->scene->scene, NULL, NULL);
+    if (!result)
+        result = shb_map_classify(map, &points, answers);
+    if (!result)
+        for (size_t i = 0; i < frame->fragment_count; i++)
+            add_answer(stage->truth[i], answers[i], certain);
+    shb_map_destroy(map);
+    free(answers);
+    return result;
+}

@@ -5,6 +5,7 @@
 #include "cases.h"
 #include "measure.h"
 #include "method_list.h"
+#include "rows.h"
 
 /* Fragments that meet the light at a smaller cosine do not count, in all cases. */
 #define STABILITY_MIN_COSINE 0.02
@@ -28,5 +29,8 @@ void stability_stage_close(stability_stage *stage);
 /* A map of the stage's light, drawn for a method with these parameters; the caller destroys it. */
 shb_result stability_draw_map(const stability_stage *stage, const listed_method *method,
                               const shb_bias *bias, shb_map **map);
+
+/* What a map says for certain, drawn for it. */
+shb_result stability_ask_certain(const stability_stage *stage, stability_certain *certain);
 
 #endif

@@ -37,6 +37,15 @@ static shb_result run_method(stability_stage *stage, const stability_case *c,
     return result;
 }
 
+static shb_result run_certain(const stability_stage *stage, const stability_case *c,
+                              stability_rows *rows) {
+    stability_certain certain = {.subject = c};
+    const shb_result result = stability_ask_certain(stage, &certain);
+    if (!result && !stability_rows_add_certain(rows, certain))
+        return SHB_ERROR_MEMORY;
+    return result;
+}
+
 shb_result stability_open(shb_context *context, const stability_options *options,
                           const stability_case *c, uint32_t reach, stability_stage *stage) {
     const uint32_t width = options->quick ? 160 : 320, height = options->quick ? 120 : 240;
@@ -51,6 +60,8 @@ static bool run_case(shb_context *context, const stability_options *options,
     for (size_t i = 0; done && method_list_at(i, &method); i++)
         if (stability_wants_method(options, method.name))
             done = tool_succeeds("stability", method.name, run_method(&stage, c, &method, rows));
+    if (done && !options->method)
+        done = tool_succeeds("stability", "certain", run_certain(&stage, c, rows));
     stability_stage_close(&stage);
     return done;
 }

@@ -1,0 +1,183 @@
+#include "strict.h"
+
+#include "map.h"
+
+#include "kernels/sheets.h"
+
+#include <float.h>
+#include <math.h>
+
+#define PER_TASK 4096
+
+typedef struct mesh_job {
+    shb_light_mesh *mesh;
+    shb_light_box *boxes;
+    const shb_sheet_kernels *kernels;
+    shb_list_extent *extents; /* of each task's vertices */
+} mesh_job;
+
+static const shb_list_extent NO_EXTENT = {0, DBL_MAX, -DBL_MAX};
+
+static shb_list_vertex see_vertex(const shb_list_frame *frame, const double p[3]) {
+    const double w = shb_list_row(frame->rows[3], p[0], p[1], p[2]), inverse = 1 / w;
+    const shb_list_vertex seen = {shb_list_row(frame->rows[0], p[0], p[1], p[2]) * inverse,
+                                  shb_list_row(frame->rows[1], p[0], p[1], p[2]) * inverse,
+                                  shb_list_row(frame->rows[2], p[0], p[1], p[2]) * inverse,
+                                  inverse};
+    if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
+        return (shb_list_vertex){0, 0, 0, (double)NAN};
+    const bool usable = w > 0 && seen.z >= frame->near_depth && isfinite(seen.x) &&
+                        isfinite(seen.y) && isfinite(seen.z);
+    return usable ? seen : (shb_list_vertex){0, 0, 0, 0};
+}
+
+static void see_vertices(void *arg, size_t task) {
+    const mesh_job *job = arg;
+    const shb_topology *t = job->mesh->topology;
+    const size_t first = task * PER_TASK, rest = t->vertex_count - first;
+    const size_t end = rest < PER_TASK ? t->vertex_count : first + PER_TASK;
+    shb_list_extent extent = NO_EXTENT;
+    for (size_t i = first; i < end; i++) {
+        const double *p = t->positions[i];
+        const shb_list_vertex seen = see_vertex(&job->mesh->frame, p);
+        job->mesh->vertices[i] = seen;
+        if (isnan(seen.inverse_w))
+            continue;
+        for (int k = 0; k < 3; k++)
+            extent.reach = fabs(p[k]) > extent.reach ? fabs(p[k]) : extent.reach;
+        if (seen.inverse_w > 0) {
+            extent.nearest = seen.z < extent.nearest ? seen.z : extent.nearest;
+            extent.farthest = seen.z > extent.farthest ? seen.z : extent.farthest;
+        }
+    }
+    job->extents[task] = extent;
+}
+
+static size_t tasks_of(size_t count) {
+    return (count + PER_TASK - 1) / PER_TASK;
+}
+
+static bool see_all_vertices(const shb_context *context, mesh_job *job) {
+    const size_t tasks = tasks_of(job->mesh->topology->vertex_count);
+    job->extents = shb_alloc(context, tasks, sizeof *job->extents);
+    if (!job->extents)
+        return false;
+    shb_parallel_for(context, see_vertices, job, tasks);
+    shb_list_extent all = NO_EXTENT;
+    for (size_t i = 0; i < tasks; i++) {
+        const shb_list_extent *one = &job->extents[i];
+        all.reach = one->reach > all.reach ? one->reach : all.reach;
+        all.nearest = one->nearest < all.nearest ? one->nearest : all.nearest;
+        all.farthest = one->farthest > all.farthest ? one->farthest : all.farthest;
+    }
+    shb_list_frame_fit(&job->mesh->frame, &all);
+    shb_free(context, job->extents);
+    return true;
+}
+
+void shb_light_mesh_corners(const shb_light_mesh *mesh, uint32_t id, uint32_t lane,
+                            shb_list_corners *out) {
+    const uint32_t *corners = mesh->topology->corners[id];
+    for (int k = 0; k < 3; k++) {
+        const shb_list_vertex *vertex = &mesh->vertices[corners[k]];
+        out->x[k][lane] = vertex->x;
+        out->y[k][lane] = vertex->y;
+        out->z[k][lane] = vertex->z;
+        out->inverse_w[k][lane] = vertex->inverse_w;
+    }
+}
+
+/* A triangle that the kernel cannot see: one that is not finite has no box. */
+static void see_alone(const shb_light_mesh *mesh, uint32_t id, shb_light_box *box) {
+    const shb_topology *t = mesh->topology;
+    double corners[3][3];
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            corners[k][i] = t->positions[t->corners[id][k]][i];
+    shb_list_triangle triangle;
+    shb_list_triangle_cut(&mesh->frame, (const double(*)[3])corners, &triangle, &box->box);
+    box->nearest = (float)mesh->frame.near_depth;
+}
+
+/* False: the kernel cannot see it. */
+static bool is_whole(const shb_light_mesh *mesh, uint32_t id, bool *is_finite) {
+    const uint32_t *corners = mesh->topology->corners[id];
+    const double least = 0x1p-4 / mesh->frame.errors[3];
+    bool whole = true;
+    *is_finite = true;
+    for (int k = 0; k < 3; k++) {
+        const double inverse = mesh->vertices[corners[k]].inverse_w;
+        whole &= (inverse > 0) & (inverse < least);
+        *is_finite &= inverse == inverse;
+    }
+    return whole;
+}
+
+static void see_triangles(void *arg, size_t task) {
+    enum { LANES = SHB_LIST_LANES };
+    const mesh_job *job = arg;
+    const shb_light_mesh *mesh = job->mesh;
+    const size_t first = task * PER_TASK, count = mesh->topology->triangle_count;
+    const size_t end = count - first < PER_TASK ? count : first + PER_TASK;
+    shb_list_corners corners;
+    shb_light_box boxes[LANES];
+    int8_t facing[LANES];
+    for (size_t id = first; id < end; id += LANES) {
+        const uint32_t lanes = (uint32_t)(end - id < LANES ? end - id : LANES);
+        for (uint32_t i = 0; i < LANES; i++)
+            shb_light_mesh_corners(mesh, (uint32_t)id + (i < lanes ? i : 0), i, &corners);
+        job->kernels->look(&mesh->frame, &corners, boxes, facing);
+        for (uint32_t i = 0; i < lanes; i++) {
+            const uint32_t at = (uint32_t)id + i;
+            bool is_finite;
+            if (!is_whole(mesh, at, &is_finite)) {
+                facing[i] = SHB_FACING_CUT;
+                boxes[i].box = SHB_LIST_BOX_NONE;
+                if (is_finite)
+                    see_alone(mesh, at, &boxes[i]);
+            }
+            if (shb_topology_is_twin(mesh->topology, at))
+                boxes[i].box = SHB_LIST_BOX_NONE;
+            mesh->facing[at] = facing[i];
+            if (job->boxes)
+                job->boxes[at] = boxes[i];
+        }
+    }
+}
+
+static bool reserve(shb_context *context, const shb_topology *topology, shb_light_mesh *mesh) {
+    shb_buffer *scratch = context->sheet_scratch;
+    const size_t vertices = topology->vertex_count, triangles = topology->triangle_count;
+    if (mesh->is_kept) {
+        mesh->vertices = shb_alloc(context, vertices, sizeof *mesh->vertices);
+        mesh->facing = shb_alloc(context, triangles, sizeof *mesh->facing);
+    } else if (shb_buffer_reserve(context, &scratch[SHB_SHEET_VERTICES], vertices,
+                                  sizeof *mesh->vertices) &&
+               shb_buffer_reserve(context, &scratch[SHB_SHEET_FACING], triangles,
+                                  sizeof *mesh->facing)) {
+        mesh->vertices = scratch[SHB_SHEET_VERTICES].data;
+        mesh->facing = scratch[SHB_SHEET_FACING].data;
+    }
+    return mesh->vertices && mesh->facing;
+}
+
+bool shb_light_mesh_make(shb_context *context, const shb_map_info *info,
+                         const shb_topology *topology, bool is_kept, shb_light_mesh *mesh,
+                         shb_light_box *boxes) {
+    *mesh = (shb_light_mesh){.topology = topology, .is_kept = is_kept};
+    mesh_job job = {mesh, boxes, shb_sheet_kernels_of(context->isa), NULL};
+    if (!reserve(context, topology, mesh) ||
+        shb_list_frame_init(&info->view, info->width, info->height, &mesh->frame) != SHB_OK ||
+        !see_all_vertices(context, &job))
+        return false;
+    shb_parallel_for(context, see_triangles, &job, tasks_of(topology->triangle_count));
+    return true;
+}
+
+void shb_light_mesh_release(const shb_context *context, shb_light_mesh *mesh) {
+    if (mesh->is_kept) {
+        shb_free(context, mesh->vertices);
+        shb_free(context, mesh->facing);
+    }
+    *mesh = (shb_light_mesh){0};
+}

@@ -1,0 +1,121 @@
+#include "strict.h"
+
+#include "map.h"
+
+#include <string.h>
+
+/* Triangles are put into tiles in so many parts at the same time. */
+enum { TILE = SHB_SHEET_TILE, PARTS = 16 };
+
+bool shb_sheet_bins_reserve(shb_context *context, const shb_map_info *info, size_t triangle_count,
+                            shb_sheet_bins *bins) {
+    shb_buffer *scratch = context->sheet_scratch;
+    *bins = (shb_sheet_bins){.triangle_count = triangle_count,
+                             .tile_columns = (info->width + TILE - 1) / TILE};
+    bins->tile_count = bins->tile_columns * ((info->height + TILE - 1) / TILE);
+    if (!shb_buffer_reserve(context, &scratch[SHB_SHEET_BOXES], triangle_count,
+                            sizeof *bins->boxes) ||
+        !shb_buffer_reserve(context, &scratch[SHB_SHEET_ENDS], bins->tile_count,
+                            PARTS * sizeof *bins->ends))
+        return false;
+    bins->boxes = scratch[SHB_SHEET_BOXES].data;
+    bins->ends = scratch[SHB_SHEET_ENDS].data;
+    return true;
+}
+
+/* The first triangle of a part. */
+static size_t begin_of(const shb_sheet_bins *bins, size_t part) {
+    return bins->triangle_count / PARTS * part + bins->triangle_count % PARTS * part / PARTS;
+}
+
+/* Counts the triangles of a part in all tiles, or writes them behind the ends, which it moves. */
+static void put_part(const shb_sheet_bins *bins, size_t part, bool writes) {
+    for (size_t id = begin_of(bins, part); id < begin_of(bins, part + 1); id++) {
+        const shb_list_box *box = &bins->boxes[id].box;
+        if (shb_list_box_is_none(box))
+            continue;
+        for (size_t row = box->first_row / TILE; row <= box->last_row / TILE; row++)
+            for (size_t column = box->first_column / TILE; column <= box->last_column / TILE;
+                 column++) {
+                size_t *end = &bins->ends[(row * bins->tile_columns + column) * PARTS + part];
+                if (writes)
+                    bins->keys[*end] = id;
+                ++*end;
+            }
+    }
+}
+
+static void count_part(void *arg, size_t part) {
+    put_part(arg, part, false);
+}
+
+static void write_part(void *arg, size_t part) {
+    put_part(arg, part, true);
+}
+
+bool shb_sheet_bins_fill(shb_context *context, shb_sheet_bins *bins) {
+    const size_t parts = bins->tile_count * PARTS;
+    memset(bins->ends, 0, parts * sizeof *bins->ends);
+    shb_parallel_for(context, count_part, bins, PARTS);
+    size_t all = 0;
+    for (size_t i = 0; i < parts; i++) {
+        const size_t count = bins->ends[i];
+        bins->ends[i] = all;
+        all += count;
+    }
+    shb_buffer *scratch = context->sheet_scratch;
+    if (!shb_buffer_reserve(context, &scratch[SHB_SHEET_KEYS], all, sizeof *bins->keys) ||
+        !shb_buffer_reserve(context, &scratch[SHB_SHEET_SPARE], all, sizeof *bins->spare))
+        return false;
+    bins->keys = scratch[SHB_SHEET_KEYS].data;
+    bins->spare = scratch[SHB_SHEET_SPARE].data;
+    shb_parallel_for(context, write_part, bins, PARTS);
+    return true;
+}
+
+static uint64_t key_of(const shb_list_frame *frame, const shb_light_box *box, uint64_t id) {
+    const double level = ((double)box->nearest - frame->level_origin) * frame->levels;
+    const double limited = level < SHB_LIST_LEVELS - 1 ? level : SHB_LIST_LEVELS - 1;
+    return (uint64_t)(limited > 0 ? limited : 0) << 32 | id;
+}
+
+/* By the byte of the key that begins at bit shift; equal ones keep their order. */
+static void sort_by_byte(const uint64_t *from, uint64_t *to, size_t count, int shift) {
+    size_t places[256] = {0}, sum = 0;
+    for (size_t i = 0; i < count; i++)
+        places[from[i] >> shift & 255]++;
+    for (int byte = 0; byte < 256; byte++) {
+        const size_t number = places[byte];
+        places[byte] = sum;
+        sum += number;
+    }
+    for (size_t i = 0; i < count; i++)
+        to[places[from[i] >> shift & 255]++] = from[i];
+}
+
+static void sort_few(uint64_t *keys, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        const uint64_t key = keys[i];
+        size_t at = i;
+        for (; at > 0 && keys[at - 1] > key; at--)
+            keys[at] = keys[at - 1];
+        keys[at] = key;
+    }
+}
+
+const uint64_t *shb_sheet_bin(const shb_sheet_bins *bins, const shb_list_frame *frame, size_t tile,
+                              size_t *count) {
+    enum { FEW = 32 };
+    const size_t begin = tile ? bins->ends[tile * PARTS - 1] : 0;
+    uint64_t *keys = bins->keys + begin;
+    *count = bins->ends[(tile + 1) * PARTS - 1] - begin;
+    for (size_t i = 0; i < *count; i++)
+        keys[i] = key_of(frame, &bins->boxes[keys[i]], keys[i]);
+    if (*count <= FEW) {
+        sort_few(keys, *count);
+        return keys;
+    }
+    sort_by_byte(keys, bins->spare + begin, *count, 32);
+    sort_by_byte(bins->spare + begin, keys, *count, 40);
+    return keys;
+}

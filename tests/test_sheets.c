@@ -1,0 +1,323 @@
+/* Certain answers: never wrong, whatever the scene, and as many as the scene allows. */
+#include "../src/map.h"
+#include "allocator.h"
+#include "list_samples.h"
+#include "probe.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct asked {
+    size_t lit, shadowed, unsure, wrong;
+} asked;
+
+static shb_map *draw(shb_context *context, const shb_view *view, uint32_t size,
+                     const shb_scene *scene) {
+    const shb_map_desc desc = {.view = *view, .width = size, .classifies = true};
+    shb_map *map = NULL;
+    CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+    CHECK_INT(shb_map_draw(map, scene, NULL, NULL), SHB_OK);
+    return map;
+}
+
+/* Asks for samples whose truth is known, their coordinates rounded to floats. */
+static asked ask(const shb_map *map, const list_samples *samples) {
+    asked sums = {0};
+    float *positions = malloc(3 * samples->count * sizeof *positions);
+    uint8_t *answers = malloc(samples->count);
+    for (size_t i = 0; i < samples->count; i++) {
+        positions[3 * i] = (float)samples->x[i];
+        positions[3 * i + 1] = (float)samples->y[i];
+        positions[3 * i + 2] = (float)samples->z[i];
+    }
+    const shb_points points = {.count = samples->count, .positions = positions};
+    CHECK_INT(shb_map_classify(map, &points, answers), SHB_OK);
+    for (size_t i = 0; i < samples->count; i++) {
+        sums.lit += answers[i] == SHB_LIGHT_LIT;
+        sums.shadowed += answers[i] == SHB_LIGHT_SHADOWED;
+        sums.unsure += answers[i] == SHB_LIGHT_UNSURE;
+        sums.wrong += answers[i] == (samples->occluded[i] ? SHB_LIGHT_LIT : SHB_LIGHT_SHADOWED);
+    }
+    free(positions);
+    free(answers);
+    return sums;
+}
+
+/* By sizes of the map, one light and kind of depth each; returns the share of unsure points at the
+ * largest. */
+static double check_scene(const shb_scene *scene, const lists_light *light) {
+    static const uint32_t sizes[] = {8, 61, 256, 1024};
+    enum { POINTS = 20000 };
+    shb_context *context = lists_context(2);
+    shb_reference *reference = NULL;
+    shb_box box;
+    double unsure = 1;
+    CHECK_INT(shb_reference_create(context, scene, &reference), SHB_OK);
+    CHECK_INT(shb_scene_bounds(scene, &box), SHB_OK);
+    list_samples samples = list_samples_create(scene, POINTS, 7);
+    for (int i = 0; i < 4; i++) {
+        const shb_view view = lists_view(light, box, sizes[i], i % 2 == 1);
+        shb_map *map = draw(context, &view, sizes[i], scene);
+        list_samples_find_truth(reference, &view, &samples);
+        const asked said = ask(map, &samples);
+        CHECK_INT(said.wrong, 0);
+        unsure = (double)said.unsure / POINTS;
+        shb_map_destroy(map);
+    }
+    list_samples_free(&samples);
+    shb_reference_destroy(reference);
+    shb_context_destroy(context);
+    return unsure;
+}
+
+TEST(certain_answers_on_closed_bodies_are_right_and_most) {
+    soup s = {0};
+    const float center[3] = {0.3f, 0.2f, 1.4f};
+    soup_add_ball(&s, center, 60, 60, NULL);
+    soup_add_box(&s, (float[]){-3, -3, -1}, (float[]){3, 3, 0});
+    soup_add_box(&s, (float[]){-2, -2, 0.5f}, (float[]){-1, -1, 2});
+    CHECK(check_scene(soup_scene(&s), &lists_slanted) < 0.1);
+    CHECK(check_scene(soup_scene(&s), &lists_grazing) < 0.2);
+    CHECK(check_scene(soup_scene(&s), &lists_spot) < 0.1);
+    soup_free(&s);
+}
+
+/* Open edges everywhere, and triangles that pass through each other. */
+TEST(certain_answers_in_a_soup_are_right) {
+    soup s = {0};
+    test_random random = {31};
+    for (int i = 0; i < 300; i++)
+        soup_add_random(&s, &random, i % 7 == 0 ? 0.9 : 0.1);
+    CHECK(check_scene(soup_scene(&s), &lists_slanted) < 0.5);
+    CHECK(check_scene(soup_scene(&s), &lists_spot) < 0.5);
+    soup_free(&s);
+}
+
+/* A pleated sheet turns round between the samples of the map, its parts wound at random. */
+TEST(certain_answers_on_folds_are_right) {
+    soup s = {0};
+    test_random random = {32};
+    for (int i = 0; i < 400; i++) {
+        const float x = -1 + 0.005f * (float)i, next = x + (i % 2 ? 0.005f : 0.012f);
+        const float z = i % 2 ? 0.3f : 0, next_z = 0.3f - z;
+        const float a[3] = {x, -1, z}, b[3] = {next, -1, next_z};
+        const float c[3] = {next, 1, next_z}, d[3] = {x, 1, z};
+        if (random_below(&random, 2))
+            soup_add_quad(&s, a, b, c, d);
+        else
+            soup_add_quad(&s, d, c, b, a);
+    }
+    soup_add_box(&s, (float[]){-2, -2, -2}, (float[]){2, 2, -1});
+    check_scene(soup_scene(&s), &lists_slanted);
+    check_scene(soup_scene(&s), &lists_spot);
+    soup_free(&s);
+}
+
+/* Sheets of which the map's samples see one only: a lid of 0.2 texels in each. */
+TEST(what_lies_between_the_samples_is_not_overlooked) {
+    soup s = {0};
+    soup_add_quad(&s, (float[]){-1, -1, 0}, (float[]){1, -1, 0}, (float[]){1, 1, 0},
+                  (float[]){-1, 1, 0});
+    for (int i = 0; i < 16; i++)
+        for (int k = 0; k < 16; k++) {
+            const float x = -1 + 0.125f * ((float)i + 0.1f), y = -1 + 0.125f * ((float)k + 0.1f);
+            const float size = 0.125f * 0.2f;
+            soup_add_quad(&s, (float[]){x, y, 1}, (float[]){x + size, y, 1},
+                          (float[]){x + size, y + size, 1}, (float[]){x, y + size, 1});
+        }
+    shb_context *context = lists_context(1);
+    const shb_view view = probe_orthographic(false);
+    shb_map *map = draw(context, &view, 16, soup_scene(&s));
+    float positions[3 * 256];
+    uint8_t answers[256];
+    for (int i = 0; i < 256; i++) {
+        positions[3 * i] = -1 + 0.125f * ((float)(i % 16) + 0.5f);
+        positions[3 * i + 1] = -1 + 0.125f * ((float)(i / 16) + 0.5f);
+        positions[3 * i + 2] = 0;
+    }
+    const shb_points points = {.count = 256, .positions = positions};
+    CHECK_INT(shb_map_classify(map, &points, answers), SHB_OK);
+    for (int i = 0; i < 256; i++)
+        CHECK_INT(answers[i], SHB_LIGHT_UNSURE);
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
+/* A plate over half of a floor, both drawn twice: of the 16 columns of texels the plate's last and
+ * the outermost hold an edge, the others nothing but whole sheets. */
+TEST(texels_without_an_edge_are_certain_and_twins_do_not_matter) {
+    soup s = {0};
+    for (int twice = 0; twice < 2; twice++) {
+        soup_add_quad(&s, (float[]){-2, -2, 0}, (float[]){2, -2, 0}, (float[]){2, 2, 0},
+                      (float[]){-2, 2, 0});
+        soup_add_quad(&s, (float[]){-2, -2, 1}, (float[]){0.06f, -2, 1}, (float[]){0.06f, 2, 1},
+                      (float[]){-2, 2, 1});
+    }
+    shb_context *context = lists_context(1);
+    const shb_view view = probe_orthographic(true);
+    shb_map *map = draw(context, &view, 16, soup_scene(&s));
+    for (int i = 0; i < 16; i++)
+        for (int height = 0; height < 2; height++) {
+            const float position[3] = {-1 + 0.125f * ((float)i + 0.3f), 0.3f, (float)height};
+            uint8_t answer;
+            const shb_points point = {.count = 1, .positions = position};
+            CHECK_INT(shb_map_classify(map, &point, &answer), SHB_OK);
+            if (i < 8)
+                CHECK_INT(answer, height ? SHB_LIGHT_LIT : SHB_LIGHT_SHADOWED);
+            else if (!height)
+                CHECK_INT(answer, i == 8 ? SHB_LIGHT_UNSURE : SHB_LIGHT_LIT);
+        }
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
+TEST(points_that_the_light_cannot_see_are_unsure) {
+    soup s = {0};
+    soup_add_quad(&s, (float[]){-2, -2, 2}, (float[]){2, -2, 2}, (float[]){2, 2, 2},
+                  (float[]){-2, 2, 2});
+    shb_context *context = lists_context(1);
+    const shb_view view = probe_perspective(false);
+    shb_map *map = draw(context, &view, 16, soup_scene(&s));
+    const float positions[] = {0.1f, 0.1f, 2,    9,   0, 0, 0, 0,        5,
+                               0,    0,    3.5f, NAN, 0, 0, 0, INFINITY, 0};
+    static const uint8_t expected[] = {SHB_LIGHT_LIT, 0, 0, 0, 0, 0};
+    uint8_t answers[6];
+    const shb_points points = {.count = 6, .positions = positions};
+    CHECK_INT(shb_map_classify(map, &points, answers), SHB_OK);
+    CHECK(memcmp(answers, expected, sizeof expected) == 0);
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
+/* Vertices that move in place make another scene. */
+TEST(a_scene_that_changes_in_place_is_seen_anew) {
+    soup s = {0};
+    const float center[3] = {0, 0, 0};
+    soup_add_ball(&s, center, 16, 16, NULL);
+    shb_context *context = lists_context(1);
+    const shb_view view = probe_orthographic(false);
+    const shb_scene *scene = soup_scene(&s);
+    shb_map *map = draw(context, &view, 16, scene);
+    const float position[3] = {0.01f, 0.02f, 0.9f};
+    uint8_t answer;
+    const shb_points point = {.count = 1, .positions = position};
+    CHECK_INT(shb_map_classify(map, &point, &answer), SHB_OK);
+    CHECK_INT(answer, SHB_LIGHT_SHADOWED);
+    for (uint32_t i = 0; i < 3 * s.count; i++)
+        s.positions[3 * i] += 10;
+    CHECK_INT(shb_map_draw(map, scene, NULL, NULL), SHB_OK);
+    CHECK_INT(shb_map_classify(map, &point, &answer), SHB_OK);
+    CHECK_INT(answer, SHB_LIGHT_UNSURE);
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
+static void check_same_bounds(const shb_map *a, const shb_map *b) {
+    const shb_sheets *x = &a->occluders.sheets, *y = &b->occluders.sheets;
+    size_t whole = 0;
+    for (size_t row = 0; row < x->height; row++) {
+        const float *bounds = x->bounds + row * x->stride;
+        CHECK(memcmp(bounds, y->bounds + row * y->stride, x->width * sizeof *bounds) == 0);
+        for (size_t i = 0; i < x->width; i++) {
+            uint32_t bits;
+            memcpy(&bits, &bounds[i], sizeof bits);
+            whole += bits & 1;
+        }
+    }
+    CHECK(whole > x->height);
+}
+
+TEST(sheets_are_the_same_for_every_instruction_set_and_any_threads) {
+    soup s = {0};
+    test_random random = {33};
+    soup_add_ball(&s, (float[]){0.2f, 0.1f, 1.6f}, 40, 40, NULL);
+    for (int i = 0; i < 100; i++)
+        soup_add_random(&s, &random, 0.3);
+    soup_add_box(&s, (float[]){-3, -3, 0}, (float[]){3, 3, 1.2f});
+    shb_context *scalar = NULL;
+    const shb_context_desc desc = {.threads = 1, .max_isa = SHB_ISA_SCALAR};
+    CHECK_INT(shb_context_create(&desc, &scalar), SHB_OK);
+    for (int reversed = 0; reversed < 2; reversed++) {
+        const shb_view view = probe_perspective(reversed);
+        shb_map *expected = draw(scalar, &view, 150, soup_scene(&s));
+        for (uint32_t isa = SHB_ISA_SCALAR + 1; isa <= SHB_ISA_NEON; isa++) {
+            shb_context *context = NULL;
+            const shb_context_desc capped = {.threads = isa, .max_isa = (shb_isa)isa};
+            CHECK_INT(shb_context_create(&capped, &context), SHB_OK);
+            shb_map *map = draw(context, &view, 150, soup_scene(&s));
+            check_same_bounds(expected, map);
+            list_samples samples = list_samples_create(soup_scene(&s), 3000, 5);
+            memset(samples.occluded, 0, samples.count);
+            const asked a = ask(expected, &samples), b = ask(map, &samples);
+            CHECK(a.lit == b.lit && a.shadowed == b.shadowed && a.unsure == b.unsure);
+            CHECK(a.lit && a.shadowed && a.unsure);
+            list_samples_free(&samples);
+            shb_map_destroy(map);
+            shb_context_destroy(context);
+        }
+        shb_map_destroy(expected);
+    }
+    shb_context_destroy(scalar);
+    soup_free(&s);
+}
+
+TEST(sheets_without_memory_are_an_error_at_every_allocation) {
+    soup s = {0};
+    soup_add_ball(&s, (float[]){0, 0, 0}, 8, 8, NULL);
+    for (int kind = SHB_OCCLUDERS_NONE; kind <= SHB_OCCLUDERS_LISTS; kind++) {
+        bool done = false;
+        for (size_t fail_at = 1; !done && fail_at < 300; fail_at++) {
+            test_allocator state = {.fail_at = fail_at};
+            const shb_context_desc context_desc = {.threads = 1,
+                                                   .allocator = test_allocator_hooks(&state)};
+            const shb_map_desc desc = {.view = probe_orthographic(false),
+                                       .width = 16,
+                                       .occluders = (shb_occluders)kind,
+                                       .classifies = true};
+            shb_context *context = NULL;
+            shb_map *map = NULL;
+            shb_result result = shb_context_create(&context_desc, &context);
+            if (!result)
+                result = shb_map_create(context, &desc, &map);
+            if (!result)
+                result = shb_map_draw(map, soup_scene(&s), NULL, NULL);
+            done = result == SHB_OK;
+            CHECK(result == SHB_OK || result == SHB_ERROR_MEMORY);
+            shb_map_destroy(map);
+            shb_context_destroy(context);
+            CHECK_INT(state.live, 0);
+        }
+        CHECK(done);
+    }
+    soup_free(&s);
+}
+
+TEST(classifying_refuses_what_it_cannot_answer) {
+    shb_context *context = lists_context(1);
+    shb_map_desc desc = {.view = probe_orthographic(false), .width = 4};
+    shb_map *map = NULL;
+    const float position[3] = {0, 0, 0}, depths[16] = {0};
+    uint8_t answer = 9;
+    const shb_points point = {.count = 1, .positions = position};
+    CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+    CHECK_INT(shb_map_classify(map, &point, &answer), SHB_ERROR_UNSUPPORTED);
+    CHECK_INT(answer, 9);
+    shb_map_destroy(map);
+    desc.classifies = true;
+    CHECK_INT(shb_map_wrap(context, &desc, depths, 0, NULL, &map), SHB_ERROR_UNSUPPORTED);
+    CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+    CHECK_INT(shb_map_classify(NULL, &point, &answer), SHB_ERROR_ARGUMENT);
+    CHECK_INT(shb_map_classify(map, NULL, &answer), SHB_ERROR_ARGUMENT);
+    CHECK_INT(shb_map_classify(map, &point, NULL), SHB_ERROR_ARGUMENT);
+    CHECK_INT(shb_map_classify(map, &(shb_points){.count = 1}, &answer), SHB_ERROR_ARGUMENT);
+    CHECK_INT(shb_map_classify(map, &point, &answer), SHB_OK);
+    CHECK_INT(answer, SHB_LIGHT_UNSURE);
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+}
