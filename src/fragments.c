@@ -88,22 +88,40 @@ static inline void read_triple(float (*to)[SHB_RUNS], size_t run, const float *f
     to[2][run] = from[2];
 }
 
+/* The vertices of runs; what these hold is asked for before any of it is read, as neighbours on the
+ * screen may lie anywhere in memory. */
+static void read_vertices(const shb_surface_instance *instance, size_t first, size_t end,
+                          const shb_surface_runs *runs, uint32_t (*vertices)[3]) {
+    const shb_mesh *mesh = instance->mesh;
+    for (size_t run = first; run < end; run++) {
+        uint32_t *corners = vertices[run];
+        shb_mesh_triangle(mesh, runs->ids[run] - instance->first_id, corners);
+        for (int k = 0; k < 3; k++) {
+            if (corners[k] >= mesh->vertex_count)
+                continue;
+            __builtin_prefetch(shb_mesh_position(mesh, corners[k]));
+            if (mesh->normals)
+                __builtin_prefetch(shb_mesh_normal(mesh, corners[k]));
+        }
+    }
+}
+
 /* Corners whose index is out of range become NaN, so that the run is left out. */
 static void read_corners(const shb_surface_instance *instance, size_t first, size_t end,
                          shb_surface_runs *runs) {
     static const float none[3] = {NAN, NAN, NAN}, zero[3] = {0, 0, 0};
     const shb_mesh *mesh = instance->mesh;
-    for (size_t run = first; run < end; run++) {
-        uint32_t vertices[3];
-        shb_mesh_triangle(mesh, runs->ids[run] - instance->first_id, vertices);
+    uint32_t vertices[SHB_RUNS][3];
+    read_vertices(instance, first, end, runs, vertices);
+    for (size_t run = first; run < end; run++)
         for (int k = 0; k < 3; k++) {
-            const bool exists = vertices[k] < mesh->vertex_count;
+            const uint32_t vertex = vertices[run][k];
+            const bool exists = vertex < mesh->vertex_count;
             read_triple(runs->positions + 3 * k, run,
-                        exists ? shb_mesh_position(mesh, vertices[k]) : none);
+                        exists ? shb_mesh_position(mesh, vertex) : none);
             read_triple(runs->normals + 3 * k, run,
-                        exists && mesh->normals ? shb_mesh_normal(mesh, vertices[k]) : zero);
+                        exists && mesh->normals ? shb_mesh_normal(mesh, vertex) : zero);
         }
-    }
 }
 
 /* Prepares runs first .. end - 1, all of one instance. */
@@ -148,18 +166,35 @@ static size_t find_starts(const uint32_t *ids, uint32_t count, uint32_t starts[S
     return found;
 }
 
-/* The ids of the next pixels of a span. */
-static const uint32_t *ids_of(const shb_frame *frame, const shb_fragment_span *span) {
-    const size_t stride = frame->id_stride ? frame->id_stride : frame->width * sizeof *frame->ids;
-    const char *row = (const char *)frame->ids + span->row * stride;
-    return (const uint32_t *)(const void *)row + span->column;
+static size_t id_stride(const shb_frame *frame) {
+    return frame->id_stride ? frame->id_stride : frame->width * sizeof *frame->ids;
+}
+
+/* The ids of count more pixels of a span. Those below, which are asked for next but lie far away in
+ * memory, are put in reach. */
+static const uint32_t *ids_of(const shb_frame *frame, const shb_fragment_span *span,
+                              uint32_t count) {
+    enum { LINE = 64 / sizeof(uint32_t) };
+    const char *row = (const char *)frame->ids + span->row * id_stride(frame);
+    const uint32_t *ids = (const uint32_t *)(const void *)row + span->column;
+    if (span->row + 1 < frame->height)
+        for (uint32_t i = 0; i < count; i += LINE)
+            __builtin_prefetch((const char *)(ids + i) + id_stride(frame));
+    return ids;
+}
+
+static inline void prefetch_indices(const shb_surface_instance *instance, uint32_t id) {
+    const shb_mesh *mesh = instance->mesh;
+    if (mesh->indices)
+        __builtin_prefetch((const char *)mesh->indices +
+                           3 * (size_t)(id - instance->first_id) * (mesh->index_size == 2 ? 2 : 4));
 }
 
 /* Runs of the next pixels of the span that see a triangle of the scene; returns how many. Those of
  * one instance are prepared together. */
 static size_t find_runs(shb_fragment_reader *reader, shb_fragment_span *span) {
-    const uint32_t *ids = ids_of(reader->frame, span);
     const uint32_t left = span->end - span->column, pixels = left < SHB_BATCH ? left : SHB_BATCH;
+    const uint32_t *ids = ids_of(reader->frame, span, pixels);
     shb_surface_runs *runs = &reader->runs;
     uint32_t starts[SHB_BATCH + 1];
     const size_t all = find_starts(ids, pixels, starts);
@@ -175,6 +210,7 @@ static size_t find_runs(shb_fragment_reader *reader, shb_fragment_span *span) {
             if (!reader->instance)
                 continue;
         }
+        prefetch_indices(reader->instance, id);
         runs->ids[count] = id;
         runs->begin[count] = span->column + starts[k];
         runs->end[count++] = span->column + starts[k + 1];
@@ -184,16 +220,20 @@ static size_t find_runs(shb_fragment_reader *reader, shb_fragment_span *span) {
     return count;
 }
 
-/* Writes count pixels of a run from fragment i on. */
+/* Writes count pixels of a run from fragment i on: array by array, which compilers make vectors
+ * of. */
 static inline void list_piece(shb_fragment_reader *reader, size_t run, uint32_t pixel, size_t i,
-                              size_t count, shb_fragments *fragments, uint32_t *facing) {
+                              size_t count, shb_fragments *restrict fragments,
+                              uint32_t *restrict facing) {
     const uint32_t id = reader->runs.ids[run], faces = reader->runs.facing[run];
-    for (size_t k = 0; k < count; k++) {
+    for (size_t k = 0; k < count; k++)
         reader->run_of[i + k] = (int32_t)run;
+    for (size_t k = 0; k < count; k++)
         facing[i + k] = faces;
+    for (size_t k = 0; k < count; k++)
         fragments->id[i + k] = id;
+    for (size_t k = 0; k < count; k++)
         fragments->pixel_x[i + k] = (int32_t)(pixel + k);
-    }
 }
 
 /* The pixels of one run as fragments from number i on; returns the number of the next. Most runs
@@ -259,6 +299,13 @@ static void read_nearest(shb_fragment_reader *reader, size_t i, shb_fragments *o
     out->weight_2[i] = (float)weights[2];
 }
 
+static bool has_nan(size_t count, const float *values) {
+    int32_t found = 0;
+    for (size_t i = 0; i < count; i++)
+        found |= -(values[i] != values[i]);
+    return found != 0;
+}
+
 size_t shb_fragments_read(shb_fragment_reader *reader, shb_fragment_span *span,
                           shb_fragments *fragments, uint32_t facing[SHB_BATCH]) {
     SHB_ALIGN float outside[SHB_BATCH];
@@ -273,8 +320,9 @@ size_t shb_fragments_read(shb_fragment_reader *reader, shb_fragment_span *span,
         fragments->pixel_y[i] = (int32_t)span->row;
     const shb_pixel_row row = {reader->frame->width, reader->frame->height, span->row};
     reader->kernels->fragments(&row, count, &reader->runs, reader->run_of, fragments, outside);
-    for (size_t i = 0; i < lanes; i++)
-        if (isnan(outside[i]))
-            read_nearest(reader, i, fragments);
+    if (has_nan(lanes, outside))
+        for (size_t i = 0; i < lanes; i++)
+            if (isnan(outside[i]))
+                read_nearest(reader, i, fragments);
     return count;
 }

@@ -3,6 +3,7 @@
 #include "scene.h"
 
 #include "matrix.h"
+#include "vector.h"
 
 #include <math.h>
 
@@ -143,10 +144,9 @@ uint64_t shb_scene_triangle_count(const shb_scene *scene) {
     return count;
 }
 
-static shb_vec3 world_position(const shb_mesh *mesh, shb_mat4 transform, uint32_t vertex) {
+static shb_vec3 world_position(const shb_mesh *mesh, const shb_mat4 *transform, uint32_t vertex) {
     const float *p = shb_mesh_position(mesh, vertex);
-    return shb_mat4_transform_point(transform,
-                                    (shb_vec3){(double)p[0], (double)p[1], (double)p[2]});
+    return mat4_transform_point(transform, (shb_vec3){(double)p[0], (double)p[1], (double)p[2]});
 }
 
 static void grow(shb_box *box, shb_vec3 p) {
@@ -166,8 +166,8 @@ static bool grow_by_instance(shb_box *box, const shb_instance *instance) {
         if (!get_triangle(mesh, i, vertices))
             return false;
         for (int corner = 0; corner < 3; corner++) {
-            const shb_vec3 p = world_position(mesh, transform, vertices[corner]);
-            if (shb_vec3_is_finite(p))
+            const shb_vec3 p = world_position(mesh, &transform, vertices[corner]);
+            if (vec3_is_finite(p))
                 grow(box, p);
         }
     }
@@ -211,6 +211,6 @@ shb_result shb_scene_triangle(const shb_scene *scene, uint32_t id, shb_vec3 corn
         return SHB_ERROR_ARGUMENT;
     const shb_mat4 transform = shb_instance_transform(instance);
     for (int i = 0; i < 3; i++)
-        corners[i] = world_position(instance->mesh, transform, vertices[i]);
+        corners[i] = world_position(instance->mesh, &transform, vertices[i]);
     return SHB_OK;
 }
