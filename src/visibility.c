@@ -148,6 +148,16 @@ static void load(const shb_shade_kernels *kernels, const float *base, size_t str
     }
 }
 
+/* Asks for the elements from first on that the next batch loads: while this one is worked on, no
+ * processor would go on with the stream. */
+static void prefetch(const float *base, size_t stride, size_t first, size_t count) {
+    const size_t line = 64, step = stride > line ? stride : line;
+    const char *bytes = (const char *)base + first * stride;
+    const size_t more = count - first < SHB_BATCH ? count - first : SHB_BATCH;
+    for (size_t i = 0; i < more * stride; i += step)
+        __builtin_prefetch(bytes + i);
+}
+
 shb_result shb_points_check(const shb_context *context, const char *caller,
                             const shb_points *points) {
     if (points->count && !points->positions)
@@ -185,15 +195,19 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
     const shb_shade_kernels *kernels = map->context->shade_kernels;
     const size_t position_stride = points->position_stride ? points->position_stride : 12;
     const size_t normal_stride = points->normal_stride ? points->normal_stride : 12;
+    const bool with_normals = needs_normals(map, bias, filter);
     shb_receivers batch;
     SHB_ALIGN float batch_visibility[SHB_BATCH];
     for (size_t first = 0; first < points->count; first += SHB_BATCH) {
         const size_t left = points->count - first;
         const size_t count = left < SHB_BATCH ? left : SHB_BATCH;
         load(kernels, points->positions, position_stride, first, count, batch.x, batch.y, batch.z);
-        if (needs_normals(map, bias, filter))
+        prefetch(points->positions, position_stride, first + count, points->count);
+        if (with_normals) {
             load(kernels, points->normals, normal_stride, first, count, batch.normal_x,
                  batch.normal_y, batch.normal_z);
+            prefetch(points->normals, normal_stride, first + count, points->count);
+        }
         shb_visibility_batch(map, bias, filter ? filter : &hard, count, &batch, batch_visibility);
         memcpy(visibility + first, batch_visibility, count * sizeof *visibility);
     }
