@@ -11,7 +11,7 @@ const report_scale *report_scale_of(const report_options *options) {
                                       .runs = {5, 3},
                                       .map_sizes = {512, 1024, 2048},
                                       .degrees = {1, 4}};
-    static const report_scale quick = {.size = {480, 300},
+    static const report_scale quick = {.size = {400, 250},
                                        .samples = 64,
                                        .runs = {3, 2},
                                        .map_sizes = {512, 1024},

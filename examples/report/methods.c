@@ -22,11 +22,19 @@ static const struct {
     const char *filter;
     const char *const *biases;
 } soft_filters[] = {
-    {"pcf:size=5", many},       {"pcf:size=11", few},
-    {"pcf-smooth:size=5", few}, {"jittered", few},
-    {"poisson", few},           {"pcss", many},
-    {"variance", few},          {"exponential-variance", few},
-    {"moments", few},           {"backprojection", adaptive},
+    {"pcf:size=5", many},
+    {"pcf:size=11", few},
+    {"pcf-smooth:size=5", few},
+    {"jittered", few},
+    {"poisson", few},
+    {"pcss", many},
+    {"variance", few},
+    {"exponential-variance", few},
+    {"moments", few},
+    {"variance-soft", few},
+    {"exponential-variance-soft", few},
+    {"moments-soft", few},
+    {"backprojection", adaptive},
     {"bitmask", adaptive},
 };
 enum { SOFT_FILTERS = sizeof soft_filters / sizeof *soft_filters, METHODS_MAX = 64 };
@@ -86,7 +94,13 @@ static report_family family_of_bias(const char *method) {
 }
 
 static report_family family_of_filter(const char *filter) {
-    static const char *const moments[] = {"variance", "exponential-variance", "moments", NULL};
+    static const char *const moments[] = {"variance",
+                                          "exponential-variance",
+                                          "moments",
+                                          "variance-soft",
+                                          "exponential-variance-soft",
+                                          "moments-soft",
+                                          NULL};
     static const char *const texels[] = {"backprojection", "bitmask", NULL};
     if (strcmp(filter, "pcss") == 0)
         return REPORT_PLANES;

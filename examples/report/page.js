@@ -50,12 +50,16 @@ function choose() {
   for (const part of document.querySelectorAll("[data-kind]")) part.hidden = !fits(part);
   const shown = rows.filter(fits);
   state.size = fill(byId("size"), unique(shown.map((row) => row.dataset.size)), state.size);
-  state.name = fill(byId("method"), unique(shown.map(nameOf)), state.name);
+  const names = unique(shown.map(nameOf));
+  state.name = fill(byId("method"), names, names.includes(state.name) ? state.name : advised());
   drawGallery();
   showMethod();
 }
 const nameOf = ({ dataset: { filter, method } }) =>
   filter === "hard" ? method : filter + " with " + method;
+
+/* The method that the page recommends for the chosen kind. */
+const advised = () => document.querySelector(`#${state.kind}-verdict strong`)?.textContent;
 
 const rowOf = (name) => rows.find((row) => fits(row) && nameOf(row) === name &&
   row.dataset.size === state.size);

@@ -148,14 +148,16 @@ void paper_write_rows(const paper_output *output, const char *what, const char *
     fprintf(
         section,
         "<h3>%s</h3>\n<p class=\"lead\">%s</p>\n<div class=\"scroll\" tabindex=\"0\" "
-        "role=\"region\" aria-label=\"%s\">\n<table class=\"plain\">\n<caption>%s, measured here</caption>\n"
+        "role=\"region\" aria-label=\"%s\">\n<table class=\"plain\">\n<caption>%s, measured "
+        "here</caption>\n"
         "<thead><tr>"
         "<th class=\"text\" scope=\"col\">method</th><th class=\"text\" scope=\"col\">group</th>"
         "<th scope=\"col\">map</th><th scope=\"col\">map ms</th><th scope=\"col\">camera ms</th>"
         "<th scope=\"col\">shading ms</th><th scope=\"col\">overall ms</th>"
         "<th scope=\"col\">ratio here</th><th scope=\"col\">in the paper</th>%s"
         "</tr></thead>\n<tbody>\n",
-        what, setting, what, what, judged ? "<th scope=\"col\">RMS</th><th scope=\"col\">SSIM</th>" : "");
+        what, setting, what, what,
+        judged ? "<th scope=\"col\">RMS</th><th scope=\"col\">SSIM</th>" : "");
     for (size_t i = 0; i < count; i++)
         write_page_row(section, &rows[i], judged);
     fprintf(section, "</tbody>\n</table>\n</div>\n<p>%s</p>\n", why);

@@ -70,7 +70,7 @@ void report_write_verdict(FILE *stream, const report_rows *rows, bool hard) {
     const verdict v = report_find_verdict(rows, hard);
     if (!v.choice)
         return;
-    fprintf(stream, "<div class=\"verdict\">\n<p>");
+    fprintf(stream, "<div class=\"verdict\" id=\"%s-verdict\">\n<p>", hard ? "hard" : "soft");
     report_write_choice(stream, v.intent, v.choice, strong);
     if (v.other) {
         fprintf(stream, "</p>\n<p class=\"other\">");
