@@ -29,7 +29,7 @@ static void add_scene(report_jobs *list, const report_scene *scene, const report
     for (int kind = 0; kind < (scene->both_lights ? SCENE_LIGHT_KINDS : 1); kind++) {
         report_light light = {.kind = (scene_light_kind)kind};
         add_light(list, scene, light, scale);
-        for (const double *degrees = scale->degrees; scene->soft && *degrees; degrees++) {
+        for (const double *degrees = scale->degrees; scene->soft && *degrees > 0; degrees++) {
             light.degrees = *degrees;
             add_light(list, scene, light, scale);
         }
