@@ -20,7 +20,7 @@ size_t shb_cells_count(size_t width, size_t height) {
 float *shb_cells_reserve(shb_context *context, size_t count, size_t width, size_t height) {
     shb_buffer *buffer = &context->draw_scratch[SHB_SCRATCH_CELLS];
     return shb_buffer_reserve(context, buffer, count,
-                              shb_cells_count(width, height) * sizeof(float))
+                              2 * shb_cells_count(width, height) * sizeof(float))
                ? buffer->data
                : NULL;
 }
@@ -30,4 +30,6 @@ void shb_cells_clear(const shb_tile *tile, bool reversed) {
         shb_cells_count((size_t)(tile->x1 - tile->x0), (size_t)(tile->y1 - tile->y0));
     for (size_t i = 0; i < count; i++)
         tile->cells[i] = shb_far_depth(reversed);
+    for (size_t i = 0; tile->second_cells && i < count; i++)
+        tile->second_cells[i] = shb_far_depth(reversed);
 }

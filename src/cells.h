@@ -1,5 +1,5 @@
-/* Bounds of the farthest depth in each SHB_CELL by SHB_CELL samples of a tile, by which the kernels
- * leave out what lies behind. */
+/* Bounds of the farthest depth in each SHB_CELL by SHB_CELL samples of a tile, for either layer, by
+ * which the kernels leave out what lies behind. */
 #ifndef SRC_CELLS_H
 #define SRC_CELLS_H
 
@@ -11,7 +11,8 @@ size_t shb_cells_stride(size_t width);
 /* All cells of such a tile. */
 size_t shb_cells_count(size_t width, size_t height);
 
-/* Room for the cells of count tiles in the context's scratch; NULL: out of memory. */
+/* Room for the cells of count tiles in the context's scratch, those of both layers one after the
+ * other; NULL: out of memory. */
 float *shb_cells_reserve(shb_context *context, size_t count, size_t width, size_t height);
 
 /* Nothing is drawn yet: every bound is the far depth. */

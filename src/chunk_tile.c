@@ -249,7 +249,7 @@ static bool draw_tiles(shb_context *context, tile_job *job) {
     const size_t lanes = rows < context->threads ? rows : context->threads;
     const shb_tile_shape shape = job->grid.shape;
     const size_t width = (size_t)1 << shape.column_bits, height = (size_t)1 << shape.row_bits;
-    job->tile_cells = shb_cells_count(width, height);
+    job->tile_cells = 2 * shb_cells_count(width, height);
     job->cells = shb_cells_reserve(context, lanes, width, height);
     if (!job->cells || !reserve_depths(context, job, lanes, height))
         return false;

@@ -23,13 +23,16 @@ typedef struct whole_job {
 shb_tile shb_layers_tile(const shb_layers *layers) {
     const shb_samples *samples = &layers->samples;
     const int32_t width = samples->last_column - samples->first_column + 1;
+    const size_t columns = (size_t)width;
+    const size_t rows = (size_t)(samples->last_row - samples->first_row + 1);
     return (shb_tile){
         .depth = layers->nearest,
         .second = layers->second,
         .ids = layers->ids,
         .stride = (ptrdiff_t)layers->pitch,
         .cells = layers->cells,
-        .cell_stride = (ptrdiff_t)shb_cells_stride((size_t)width),
+        .second_cells = layers->second ? layers->cells + shb_cells_count(columns, rows) : NULL,
+        .cell_stride = (ptrdiff_t)shb_cells_stride(columns),
         .x0 = samples->first_column,
         .y0 = samples->first_row,
         .right = samples->last_column + 1,
@@ -122,7 +125,7 @@ bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const
     if (!cells)
         return false;
     for (size_t lane = 0; lane < job.lane_count; lane++)
-        job.lanes[lane].cells = cells + lane * shb_cells_count(desc->width, rows);
+        job.lanes[lane].cells = cells + lane * 2 * shb_cells_count(desc->width, rows);
     atomic_init(&job.next, 0);
     shb_parallel_for(context, run_lane, &job, job.lane_count);
     if (job.lane_count > 1)

@@ -1,7 +1,8 @@
 /* Large triangles go through the tile in blocks of 4 by 4 cells, both aligned to the tile. Each
  * cell is skipped, drawn without edges or drawn with them. It is skipped if the triangle does not
  * touch it or lies behind everything in it: the tile keeps a bound of each cell's farthest depth,
- * lowered by the triangles that cover the whole cell. */
+ * lowered by the triangles that cover the whole cell, and one of the second layer: of two triangles
+ * that cover the cell no second depth is beyond the farther one. */
 
 #define BLOCK_CELLS (SHB_SMALL / SHB_CELL)
 
@@ -26,16 +27,15 @@ static inline __attribute__((always_inline)) float depth_at(const chunk_planes *
     return (float)(above < planes->hi[t] ? above : planes->hi[t]);
 }
 
-/* The bounds of the block's cells. Where the second layer is wanted nothing is hidden. */
+/* The bounds of the block's cells, of the last layer that is wanted. */
 static void load_farthest(const shb_tile *tile, int layers, int32_t left, int32_t top,
                           float farthest[BLOCK_CELLS * BLOCK_CELLS]) {
-    const float *cells = tile->cells + (top - tile->y0) / SHB_CELL * tile->cell_stride +
+    const float *cells = (layers & LAYER_SECOND ? tile->second_cells : tile->cells) +
+                         (top - tile->y0) / SHB_CELL * tile->cell_stride +
                          (left - tile->x0) / SHB_CELL;
-    const float beyond = 4.0f;
     for (int row = 0; row < BLOCK_CELLS; row++)
         for (int column = 0; column < BLOCK_CELLS; column++)
-            farthest[row * BLOCK_CELLS + column] =
-                layers & LAYER_SECOND ? beyond : cells[row * tile->cell_stride + column];
+            farthest[row * BLOCK_CELLS + column] = cells[row * tile->cell_stride + column];
 }
 
 /* Cells that no edge rejects, and those that no edge crosses. */
@@ -86,16 +86,20 @@ find_cells(const chunk_planes *planes, int t, bool plain, bool equal_is_hidden,
 /* Lowers the bounds of count by count cells that the triangle covers; (x, y) is their first sample.
  */
 static inline __attribute__((always_inline)) void
-lower_bounds(const shb_tile *tile, const chunk_boxes *boxes, const chunk_planes *planes, int t,
-             bool plain, int32_t x, int32_t y, int32_t count) {
-    float *cells =
-        tile->cells + (y - tile->y0) / SHB_CELL * tile->cell_stride + (x - tile->x0) / SHB_CELL;
+lower_bounds(const shb_tile *tile, int layers, const chunk_boxes *boxes, const chunk_planes *planes,
+             int t, bool plain, int32_t x, int32_t y, int32_t count) {
+    ptrdiff_t first = (y - tile->y0) / SHB_CELL * tile->cell_stride + (x - tile->x0) / SHB_CELL;
     const int32_t far_i = x - boxes->x[t] + (planes->step_x[t] < 0 ? 0 : SHB_CELL - 1);
     const int32_t far_j = y - boxes->y[t] + (planes->step_y[t] < 0 ? 0 : SHB_CELL - 1);
-    for (int32_t row = 0; row < count; row++, cells += tile->cell_stride)
+    for (int32_t row = 0; row < count; row++, first += tile->cell_stride)
         for (int32_t column = 0; column < count; column++) {
             const float farthest =
                 depth_at(planes, t, plain, far_i + column * SHB_CELL, far_j + row * SHB_CELL);
-            cells[column] = MIN(farthest, cells[column]);
+            float *cell = tile->cells + first + column;
+            if (layers & LAYER_SECOND) {
+                float *second = tile->second_cells + first + column;
+                *second = MIN(*second, MAX(farthest, *cell));
+            }
+            *cell = MIN(farthest, *cell);
         }
 }

@@ -16,24 +16,19 @@
 static inline __attribute__((always_inline)) void
 W(merge)(const shb_tile *tile, int layers, ptrdiff_t at, W(wi) edges, W(wf) z, W(wi) id) {
     const W(wf) nearest = W(wf_load)(tile->depth + at);
-    if (layers == 0) {
-        W(wf_store)(tile->depth + at, W(wf_min_inside)(edges, z, nearest));
-        return;
-    }
-    const W(wm) inside = W(wm_inside)(edges);
-    const W(wm) closer = W(wm_less)(inside, z, nearest);
-    W(wf_store)(tile->depth + at, W(wf_select)(closer, z, nearest));
+    W(wf_store)(tile->depth + at, W(wf_min_inside)(edges, z, nearest));
     if (layers & LAYER_IDS) {
         uint32_t *ids = tile->ids + at;
         const W(wi) old = W(wi_load)(ids);
-        const W(wm) wins = W(wm_or)(closer, W(wm_equal_less)(inside, z, nearest, id, old));
+        const W(wm) inside = W(wm_inside)(edges);
+        const W(wm) wins =
+            W(wm_or)(W(wm_less)(inside, z, nearest), W(wm_equal_less)(inside, z, nearest, id, old));
         W(wi_store)(ids, W(wi_select)(wins, id, old));
     }
     if (layers & LAYER_SECOND) {
         const W(wf) second = W(wf_load)(tile->second + at);
-        const W(wf) loser = W(wf_select)(closer, nearest, z);
-        const W(wm) next = W(wm_less)(inside, loser, second);
-        W(wf_store)(tile->second + at, W(wf_select)(next, loser, second));
+        const W(wf) loser = W(wf_max)(nearest, z);
+        W(wf_store)(tile->second + at, W(wf_min_inside)(edges, loser, second));
     }
 }
 
@@ -126,7 +121,7 @@ W(draw_square)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
     (tile, layers, boxes, planes, t, id, plain, covered, &edges, x, first, x + size,
      MIN(y + size, part->bottom));
     if (covered)
-        lower_bounds(tile, boxes, planes, t, plain, x, y, size / SHB_CELL);
+        lower_bounds(tile, layers, boxes, planes, t, plain, x, y, size / SHB_CELL);
 }
 
 /* Any triangle: blocks of SHB_SMALL samples are rejected or freed of the edges that cover them
@@ -151,8 +146,8 @@ static inline __attribute__((always_inline)) void W(draw_large)(const shb_tile *
                                   &edges))
                 continue;
             load_farthest(tile, layers, left, top, farthest);
-            const block_cells cells =
-                find_cells(planes, t, plain, layers == 0, &edges, left - x, top - y, farthest);
+            const block_cells cells = find_cells(planes, t, plain, !(layers & LAYER_IDS), &edges,
+                                                 left - x, top - y, farthest);
             if (cells.covered == ALL_CELLS && left + SHB_SMALL <= tile->x1) {
                 W(draw_square)
                 (tile, layers, boxes, planes, t, id, plain, true, SHB_SMALL, &edges, &part, left,

@@ -10,7 +10,7 @@
  *   wf_lanes, wi_lanes    0, 1, 2, ...
  *   wf_load, wf_store, wi_load, wi_store    from and to any address
  *   wf_add, wf_mul, wi_add, wi_mul, wi_or
- *   wf_select, wi_select(m, a, b)           m ? a : b
+ *   wi_select(m, a, b)                      m ? a : b
  *   wf_min_inside(edges, z, q)              edges >= 0 && z < q ? z : q
  *   wm_inside(edges)                        edges >= 0
  *   wm_less(m, a, b)                        m && a < b

@@ -21,8 +21,8 @@ enum {
     SHB_CODE_OUTSIDE = 4 | 8 | 16 | 32 /* one bit for each border of the target */
 };
 
-/* A vertex in window space, and its code. The numbers mean nothing where it is not usable: its triangles
- * are left to clipping. */
+/* A vertex in window space, and its code. The numbers mean nothing where it is not usable: its
+ * triangles are left to clipping. */
 typedef struct shb_vertex {
     double x, y, z;
     uint64_t code;
@@ -57,7 +57,8 @@ typedef struct shb_tile {
     float *second; /* NULL: not wanted */
     uint32_t *ids; /* NULL: not wanted */
     ptrdiff_t stride;
-    float *cells; /* no sample of a cell is farther; whole blocks of SHB_SMALL samples */
+    float *cells;        /* no sample of a cell is farther; whole blocks of SHB_SMALL samples */
+    float *second_cells; /* the same for the second layer */
     ptrdiff_t cell_stride;
     int32_t x0, y0, right, x1, y1;
 } shb_tile;

@@ -71,9 +71,6 @@ static inline wm8 wm_equal_less8(wm8 m, wf8 a, wf8 b, wi8 c, wi8 d) {
 static inline wi8 wi_select8(wm8 m, wi8 a, wi8 b) {
     return _mm256_blendv_epi8(b, a, m);
 }
-static inline wf8 wf_select8(wm8 m, wf8 a, wf8 b) {
-    return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(m));
-}
 static inline wi8 wi_count_less8(wi8 count, wf8 a, wf8 b) {
     return _mm256_sub_epi32(count, _mm256_castps_si256(_mm256_cmp_ps(a, b, _CMP_LT_OQ)));
 }

@@ -71,9 +71,6 @@ static inline wm16 wm_equal_less16(wm16 m, wf16 a, wf16 b, wi16 c, wi16 d) {
 static inline wi16 wi_select16(wm16 m, wi16 a, wi16 b) {
     return _mm512_mask_blend_epi32(m, b, a);
 }
-static inline wf16 wf_select16(wm16 m, wf16 a, wf16 b) {
-    return _mm512_mask_blend_ps(m, b, a);
-}
 static inline wi16 wi_count_less16(wi16 count, wf16 a, wf16 b) {
     const __mmask16 less = _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
     return _mm512_mask_add_epi32(count, less, count, _mm512_set1_epi32(1));

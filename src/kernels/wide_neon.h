@@ -67,11 +67,8 @@ static inline wm4 wm_equal_less4(wm4 m, wf4 a, wf4 b, wi4 c, wi4 d) {
 static inline wi4 wi_select4(wm4 m, wi4 a, wi4 b) {
     return vbslq_s32(m, a, b);
 }
-static inline wf4 wf_select4(wm4 m, wf4 a, wf4 b) {
-    return vbslq_f32(m, a, b);
-}
 static inline wf4 wf_min_inside4(wi4 edges, wf4 z, wf4 q) {
-    return wf_select4(wm_less4(wm_inside4(edges), z, q), z, q);
+    return vbslq_f32(wm_less4(wm_inside4(edges), z, q), z, q);
 }
 
 static inline wi4 wi_count_less4(wi4 count, wf4 a, wf4 b) {

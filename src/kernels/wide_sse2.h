@@ -74,10 +74,6 @@ static inline wm4 wm_equal_less4(wm4 m, wf4 a, wf4 b, wi4 c, wi4 d) {
 static inline wi4 wi_select4(wm4 m, wi4 a, wi4 b) {
     return _mm_or_si128(_mm_and_si128(m, a), _mm_andnot_si128(m, b));
 }
-static inline wf4 wf_select4(wm4 m, wf4 a, wf4 b) {
-    const __m128 mask = _mm_castsi128_ps(m);
-    return _mm_or_ps(_mm_and_ps(mask, a), _mm_andnot_ps(mask, b));
-}
 static inline wi4 wi_count_less4(wi4 count, wf4 a, wf4 b) {
     return _mm_sub_epi32(count, _mm_castps_si128(_mm_cmplt_ps(a, b)));
 }
