@@ -19,7 +19,8 @@ static bool is_blocked_exactly(const void *state, int32_t m, int32_t n, float *d
     if (taps->map->info.view.reversed)
         *depth = -*depth;
     const float plane = shb_tap_depth(r->ref[i], r->step_x[i], r->step_y[i], (float)m, (float)n);
-    return *depth < taps->far_depth &&
+    const bool in_front = *depth < plane || taps->map->info.occluders != SHB_OCCLUDERS_PLANES;
+    return in_front && *depth < taps->far_depth &&
            *depth < mutual_tap(taps->map, taps->fragment, x, y, *depth, plane);
 }
 
