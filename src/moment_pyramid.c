@@ -5,8 +5,7 @@
 #include "depth_rows.h"
 #include "project.h"
 
-/* How far the boxes of a level lie apart: an eighth would only cost memory, and with half the
- * mixture between them shows. */
+/* Boxes lie a quarter of their width apart, the smallest ones a texel. */
 static int spacing_shift(int level) {
     return level > 1 ? level - 1 : 0;
 }
