@@ -77,6 +77,44 @@ TEST(blur_grows_with_the_distance_of_blockers) {
     }
 }
 
+/* The view with the world's unit changed. */
+static shb_view scaled_view(shb_view view, double scale) {
+    for (int i = 0; i < 12; i++)
+        view.clip_from_world.m[i] /= scale;
+    return view;
+}
+
+/* Powers of two change no bit; a directional light's size is an angle. */
+TEST(prefiltered_penumbras_do_not_depend_on_the_worlds_unit) {
+    float depths[SIZE * SIZE];
+    test_random random = {71};
+    for (int i = 0; i < SIZE * SIZE; i++)
+        depths[i] = (float)random_double(&random, 0.2, 1);
+    for (int i = 0; i < 2 * METHODS; i++) {
+        const bool spot = i & 1;
+        const shb_view view = spot ? probe_perspective(true) : probe_orthographic(false);
+        for (int power = -30; power <= 30; power += 60) {
+            const double scale = ldexp(1, power);
+            const shb_filter filter = filter_of(i / 2, 0.125);
+            const shb_filter scaled = filter_of(i / 2, spot ? 0.125 * scale : 0.125);
+            depth_map one =
+                depth_map_open(NULL, &(shb_map_desc){.view = view, .width = SIZE}, depths);
+            depth_map other = depth_map_open(
+                NULL, &(shb_map_desc){.view = scaled_view(view, scale), .width = SIZE}, depths);
+            depth_map_prepare(&one, &filter);
+            depth_map_prepare(&other, &scaled);
+            for (int k = 0; k < 20; k++) {
+                const double x = (double)(float)random_double(&random, -0.9, 0.9);
+                const double y = (double)(float)random_double(&random, -0.9, 0.9), z = 1.5;
+                CHECK(depth_map_ask(&one, &filter, x, y, z) ==
+                      depth_map_ask(&other, &scaled, x * scale, y * scale, z * scale));
+            }
+            depth_map_close(&one);
+            depth_map_close(&other);
+        }
+    }
+}
+
 /* ---- against a slow calculation ---- */
 
 enum { WIDTH = 40, HEIGHT = 24, LEVELS = 6 };
