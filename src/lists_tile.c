@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <stdatomic.h>
-#include <string.h>
 
 #include "lists_scratch.h"
 
@@ -10,8 +9,8 @@
  * texels. */
 enum { CELLS_PER_TRIANGLE = 1 };
 
-/* Room for pairs that does for nearly every tile; where it does not, cells are larger. */
-enum { PAIRS = 1 << 17 };
+/* Room for entries that does for nearly every tile; where it does not, cells are larger. */
+enum { ENTRIES = 1 << 17 };
 
 enum { DIGIT_BITS = 8, BUCKETS = 1 << DIGIT_BITS };
 
@@ -90,19 +89,21 @@ static size_t cell_in_blocks(size_t cell, int cell_bits) {
 static void write_entries(const shb_lists *lists, const shb_list_tile *tile,
                           const shb_list_cover *cover) {
     const size_t count = cells_of(tile->cell_bits);
-    uint32_t next[SHB_LIST_TILE * SHB_LIST_TILE];
+    uint32_t counts[SHB_LIST_TILE * SHB_LIST_TILE] = {0}, next[SHB_LIST_TILE * SHB_LIST_TILE];
+    for (size_t i = 0; i < cover->entry_count; i++)
+        counts[cover->cells[i]]++;
     shb_list_cell *cells = lists->cells + tile->first_cell;
     uint32_t sum = 0;
     for (size_t i = 0; i < count; i++) {
         const size_t from = cell_in_blocks(i, tile->cell_bits);
         cells[i] = (shb_list_cell){sum, cover->far[from]};
         next[from] = sum;
-        sum += cover->counts[from];
+        sum += counts[from];
     }
     cells[count] = (shb_list_cell){.start = sum};
     shb_list_entry *entries = lists->entries + tile->first_entry;
-    for (size_t i = 0; i < cover->pair_count; i++)
-        entries[next[cover->pairs[i].cell]++] = cover->pairs[i].entry;
+    for (size_t i = 0; i < cover->entry_count; i++)
+        entries[next[cover->cells[i]]++] = cover->entries[i];
 }
 
 static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *keys) {
@@ -120,12 +121,11 @@ static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint6
         cover->cell_bits = tile->cell_bits;
         for (size_t i = 0; i < cells; i++)
             cover->far[i] = HUGE_VALF;
-        memset(cover->counts, 0, cells * sizeof *cover->counts);
         if (shb_list_kernels_of(lists->context->isa)->cover(cover))
             break;
     }
-    tile->first_entry = atomic_fetch_add(&job->next_entry, cover->pair_count);
-    if (tile->first_entry <= job->room && cover->pair_count <= job->room - tile->first_entry)
+    tile->first_entry = atomic_fetch_add(&job->next_entry, cover->entry_count);
+    if (tile->first_entry <= job->room && cover->entry_count <= job->room - tile->first_entry)
         write_entries(lists, tile, cover);
 }
 
@@ -140,14 +140,16 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
     shb_context *context = lists->context;
     shb_buffer *scratch = context->list_scratch;
     const size_t lanes = context->threads < bins->tiles ? context->threads : bins->tiles;
-    /* The largest cells take as many pairs as this at most. */
-    const size_t most = (bins->largest + 1) * SHB_LIST_LANES;
-    const size_t pairs = most > PAIRS ? most : PAIRS;
+    /* The largest cells take as many entries as this at most, and what is written too much. */
+    const size_t most = (bins->largest + 2) * SHB_LIST_LANES;
+    const size_t room_of_lane = most > ENTRIES ? most : ENTRIES;
     if (!shb_buffer_reserve(context, &scratch[SHB_LIST_COVERS], lanes, sizeof(shb_list_cover)) ||
         !shb_buffer_reserve(context, &scratch[SHB_LIST_KEYS], lanes * 2,
                             (bins->largest + 1) * sizeof(uint64_t)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_LIST_PAIRS], lanes,
-                            pairs * sizeof(shb_list_pair)))
+        !shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED], lanes,
+                            room_of_lane * sizeof(shb_list_entry)) ||
+        !shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED_CELLS], lanes,
+                            room_of_lane * sizeof(uint32_t)))
         return false;
     tile_job job = {.lists = lists,
                     .bins = bins,
@@ -158,8 +160,10 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
         job.covers[i].triangles = lists->triangles;
         job.covers[i].frame = &lists->frame;
         job.covers[i].boxes = bins->boxes;
-        job.covers[i].pairs = (shb_list_pair *)scratch[SHB_LIST_PAIRS].data + i * pairs;
-        job.covers[i].pair_capacity = pairs;
+        job.covers[i].entries =
+            (shb_list_entry *)scratch[SHB_LIST_UNSORTED].data + i * room_of_lane;
+        job.covers[i].cells = (uint32_t *)scratch[SHB_LIST_UNSORTED_CELLS].data + i * room_of_lane;
+        job.covers[i].entry_capacity = room_of_lane;
     }
     atomic_init(&job.next_tile, 0);
     atomic_init(&job.next_entry, 0);

@@ -18,6 +18,7 @@
 #include <math.h>
 
 #include "lists.h"
+#include "vectors.h"
 
 enum { LIST_LANES = SHB_LIST_LANES };
 
@@ -210,29 +211,58 @@ static inline cell_functions cell_functions_of(const shb_list_cover *cover, uint
     return f;
 }
 
-/* The cells of a block that a triangle goes into, one bit each; x, y: the block's corner. */
+/* The cells of a block that a triangle goes into, one bit each, and the least depth of the triangle
+ * in each; x, y: the block's corner. */
 static inline uint32_t cover_block(const cell_functions *f, float x, float y,
                                    const float *restrict lane_x, const float *restrict lane_y,
                                    float *restrict far, float *restrict begins) {
-    static const uint32_t bit[LIST_LANES] = {1,       1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
-                                             1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
-                                             1 << 12, 1 << 13, 1 << 14, 1 << 15};
     uint32_t bits = 0;
-    for (int i = 0; i < LIST_LANES; i++) {
-        const float at_x = x + lane_x[i], at_y = y + lane_y[i];
-        const float u = (f->x[0] * at_x + f->y[0] * at_y) + f->best[0];
-        const float v = (f->x[1] * at_x + f->y[1] * at_y) + f->best[1];
-        const float w = (f->x[2] * at_x + f->y[2] * at_y) + f->best[2];
-        const float depth = f->slope_x * at_x + f->slope_y * at_y;
-        const float begin = list_maxf(depth + f->begin, f->nearest), end = depth + f->end;
-        const int goes = (u >= 0) & (v >= 0) & (w >= 0) & !(begin > far[i]);
-        const int covers = (u + f->worst[0] >= 0) & (v + f->worst[1] >= 0) &
-                           (w + f->worst[2] >= 0) & (end < far[i]);
-        begins[i] = begin;
-        bits |= goes ? bit[i] : 0;
-        far[i] = covers ? end : far[i];
+    for (int i = 0; i < LIST_LANES; i += WIDE) {
+        const vf at_x = x + vf_load(lane_x + i), at_y = y + vf_load(lane_y + i);
+        const vf u = (f->x[0] * at_x + f->y[0] * at_y) + f->best[0];
+        const vf v = (f->x[1] * at_x + f->y[1] * at_y) + f->best[1];
+        const vf w = (f->x[2] * at_x + f->y[2] * at_y) + f->best[2];
+        const vf depth = f->slope_x * at_x + f->slope_y * at_y;
+        const vf begin = vf_max(depth + f->begin, vf_splat(f->nearest)), end = depth + f->end;
+        const vf before = vf_load(far + i);
+        const vf most = vf_min(vf_min(u, v), w);
+        const vf least = vf_min(vf_min(u + f->worst[0], v + f->worst[1]), w + f->worst[2]);
+        bits |= vi_bits((most >= 0) & (begin <= before)) << i;
+        vf_store(begins + i, begin);
+        vf_store(far + i, vf_where((least >= 0) & (end < before), end, before));
     }
     return bits;
+}
+
+/* Appends entries of a block's cells; the room for all of them is there. Returns how many. */
+static inline size_t append_entries(uint32_t number, uint32_t cell, uint32_t bits,
+                                    const float *begins, shb_list_entry *entries, uint32_t *cells) {
+#if WIDE == 16
+    const __m512i id = _mm512_set1_epi64(number);
+    const __m512i depths = _mm512_loadu_si512(begins);
+    const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    const __m512i low = _mm512_cvtepu32_epi64(_mm512_castsi512_si256(depths));
+    const __m512i high = _mm512_cvtepu32_epi64(_mm512_extracti64x4_epi64(depths, 1));
+    const size_t half = (size_t)__builtin_popcount(bits & 0xff);
+    _mm512_storeu_si512(
+        entries, _mm512_maskz_compress_epi64((__mmask8)bits,
+                                             _mm512_or_si512(_mm512_slli_epi64(low, 32), id)));
+    _mm512_storeu_si512(entries + half, _mm512_maskz_compress_epi64(
+                                            (__mmask8)(bits >> 8),
+                                            _mm512_or_si512(_mm512_slli_epi64(high, 32), id)));
+    _mm512_storeu_si512(
+        cells, _mm512_maskz_compress_epi32(
+                   (__mmask16)bits, _mm512_add_epi32(lanes, _mm512_set1_epi32((int32_t)cell))));
+    return (size_t)__builtin_popcount(bits);
+#else
+    size_t count = 0;
+    for (; bits; bits &= bits - 1) {
+        const uint32_t lane = (uint32_t)__builtin_ctz(bits);
+        entries[count] = (shb_list_entry){number, begins[lane]};
+        cells[count++] = cell + lane;
+    }
+    return count;
+#endif
 }
 
 static inline uint32_t first_block(uint32_t texel, uint32_t tile, int bits) {
@@ -260,12 +290,12 @@ static bool cover_cells(shb_list_cover *cover) {
         lane_x[i] = (float)((i & 3) << cover->cell_bits);
         lane_y[i] = (float)((i >> 2) << cover->cell_bits);
     }
-    size_t pairs = 0;
+    size_t count = 0;
     for (size_t k = 0; k < cover->count; k++) {
         const uint32_t number = (uint32_t)cover->keys[k];
         if (k + LIST_AHEAD < cover->count)
             fetch_triangle(cover, (uint32_t)cover->keys[k + LIST_AHEAD]);
-        if (cover->pair_capacity - pairs < (size_t)blocks * blocks * LIST_LANES)
+        if (cover->entry_capacity - count < (size_t)(blocks * blocks + 1) * LIST_LANES)
             return false;
         const shb_list_box *box = &cover->boxes[number];
         const cell_functions f = cell_functions_of(cover, number);
@@ -275,17 +305,14 @@ static bool cover_cells(shb_list_cover *cover) {
             for (uint32_t x = first_block(box->first_column, cover->column, block_bits);
                  x <= last_column; x++) {
                 const uint32_t cell = (y * blocks + x) * LIST_LANES;
-                uint32_t bits = cover_block(&f, (float)(x << block_bits), (float)(y << block_bits),
-                                            lane_x, lane_y, &cover->far[cell], begins);
-                for (; bits; bits &= bits - 1) {
-                    const uint32_t in_block = (uint32_t)__builtin_ctz(bits);
-                    cover->counts[cell + in_block]++;
-                    cover->pairs[pairs++] =
-                        (shb_list_pair){{number, begins[in_block]}, cell + in_block};
-                }
+                const uint32_t bits =
+                    cover_block(&f, (float)(x << block_bits), (float)(y << block_bits), lane_x,
+                                lane_y, &cover->far[cell], begins);
+                count += append_entries(number, cell, bits, begins, cover->entries + count,
+                                        cover->cells + count);
             }
     }
-    cover->pair_count = pairs;
+    cover->entry_count = count;
     return true;
 }
 

@@ -35,12 +35,6 @@ typedef struct shb_list_entry {
 /* Entries are looked at this many at a time; so many more may be read behind the last one. */
 #define SHB_LIST_STEP 8
 
-/* An entry before entries are sorted by cell. */
-typedef struct shb_list_pair {
-    shb_list_entry entry;
-    uint32_t cell;
-} shb_list_pair;
-
 /* One tile while triangles are put into its cells. Cells are kept block by block, row by row in
  * both. */
 typedef struct shb_list_cover {
@@ -49,12 +43,13 @@ typedef struct shb_list_cover {
     const shb_list_box *boxes;
     const uint64_t *keys; /* triangles in the low halves, front to back by the levels above */
     size_t count;
-    uint32_t column, row;                           /* of the tile's first texel */
-    int cell_bits;                                  /* cells are squares of 2^cell_bits texels */
-    float far[SHB_LIST_TILE * SHB_LIST_TILE];       /* behind it all of a cell is in shadow */
-    uint32_t counts[SHB_LIST_TILE * SHB_LIST_TILE]; /* entries */
-    shb_list_pair *pairs;
-    size_t pair_count, pair_capacity;
+    uint32_t column, row;                     /* of the tile's first texel */
+    int cell_bits;                            /* cells are squares of 2^cell_bits texels */
+    float far[SHB_LIST_TILE * SHB_LIST_TILE]; /* behind it all of a cell is in shadow */
+    /* entries in the order of triangles, and the cell of each */
+    shb_list_entry *entries;
+    uint32_t *cells;
+    size_t entry_count, entry_capacity;
 } shb_list_cover;
 
 /* Points that ask at the same time, as the light sees them. */
@@ -89,7 +84,7 @@ typedef struct shb_list_kernels {
 
     /* Puts a tile's triangles into its cells. A triangle goes into a cell unless it misses the cell
      * for sure or begins there behind a triangle before it that covers the cell for sure. False if
-     * there is no room for all the pairs. */
+     * there is no room for all the entries. */
     bool (*cover)(shb_list_cover *cover);
 
     /* Finds where the light sees the points. */

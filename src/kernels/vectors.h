@@ -50,7 +50,8 @@ static inline __m256 gather_eight(const float *base, __m256i index) {
 #endif
 
 /* vf_gather: the floats at these indices, which are not negative.
- * vf_min, vf_max: a < b ? a : b, a > b ? a : b. vi_any: true if the mask is set in some lane. */
+ * vf_min, vf_max: a < b ? a : b, a > b ? a : b. vi_any: true if the mask is set in some lane.
+ * vi_bits: bit i: the mask is set in lane i. */
 #if WIDE == 16
 static inline vf vf_min(vf a, vf b) {
     return _mm512_min_ps(a, b);
@@ -60,6 +61,9 @@ static inline vf vf_max(vf a, vf b) {
 }
 static inline bool vi_any(vi mask) {
     return _mm512_movepi32_mask((__m512i)mask) != 0;
+}
+static inline uint32_t vi_bits(vi mask) {
+    return _mm512_movepi32_mask((__m512i)mask);
 }
 static inline vf vf_gather(const float *base, vi index) {
     const __m256 low = gather_eight(base, _mm512_castsi512_si256((__m512i)index));
@@ -76,6 +80,9 @@ static inline vf vf_max(vf a, vf b) {
 static inline bool vi_any(vi mask) {
     return _mm256_movemask_ps((__m256)mask) != 0;
 }
+static inline uint32_t vi_bits(vi mask) {
+    return (uint32_t)_mm256_movemask_ps((__m256)mask);
+}
 static inline vf vf_gather(const float *base, vi index) {
     return gather_eight(base, (__m256i)index);
 }
@@ -87,7 +94,16 @@ static inline vf vf_min(vf a, vf b) {
 static inline vf vf_max(vf a, vf b) {
     return _mm_max_ps(a, b);
 }
+static inline uint32_t vi_bits(vi mask) {
+    return (uint32_t)_mm_movemask_ps((__m128)mask);
+}
 #else
+static inline uint32_t vi_bits(vi mask) {
+    uint32_t bits = 0;
+    for (int i = 0; i < WIDE; i++)
+        bits |= (uint32_t)(mask[i] & 1) << i;
+    return bits;
+}
 static inline vf vf_min(vf a, vf b) {
     return vf_where(a < b, a, b);
 }
