@@ -3,10 +3,27 @@
 #include "png.h"
 #include "summary.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+void report_pictures_begin(const char *path, bool keep) {
+    mkdir(path, 0777);
+    DIR *directory = keep ? NULL : opendir(path);
+    if (!directory)
+        return;
+    for (const struct dirent *entry; (entry = readdir(directory));) {
+        char picture[REPORT_PICTURE_PATH];
+        const char *ending = strrchr(entry->d_name, '.');
+        if (ending && strcmp(ending, ".png") == 0 &&
+            snprintf(picture, sizeof picture, "%s/%s", path, entry->d_name) < (int)sizeof picture)
+            remove(picture);
+    }
+    closedir(directory);
+}
 
 uint8_t report_truth_grey(uint8_t truth) {
     switch (truth) {

@@ -17,6 +17,9 @@ typedef enum report_picture {
     REPORT_PICTURE_METHOD /* a row: its visibility */
 } report_picture;
 
+/* Makes the directory; pictures that are there already stay if keep, and are removed otherwise. */
+void report_pictures_begin(const char *path, bool keep);
+
 /* The greys of the truth, by SHB_TRUTH_*: what does not count is black, what is lit is brighter
  * than 150, and what lies at a boundary is 200 or 48. */
 uint8_t report_truth_grey(uint8_t truth);

@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* Hard and soft differ in their methods and in the time that they take. */
 typedef struct survey_kind {
@@ -166,7 +165,7 @@ bool report_survey(shb_context *context, const report_options *options, const ch
         .path = path,
         .rows = rows};
     snprintf(s.pictures, sizeof s.pictures, "%s/pictures", options->directory);
-    mkdir(s.pictures, 0777);
+    report_pictures_begin(s.pictures, rows->count > 0);
     report_scene_list scenes = report_list_scenes(options);
     report_jobs jobs = report_list_jobs(&scenes, s.scale);
     s.fresh = calloc(s.kinds[0].methods.count + s.kinds[1].methods.count + 1, sizeof *s.fresh);

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Checks the page of make report in a headless Chromium: check.py PAGE [DIRECTORY OF SCREENSHOTS]"""
 import os
+import re
 import sys
 
 sys.dont_write_bytecode = True
@@ -89,15 +90,16 @@ def needs_no_network(page):
 
 
 def loads_all_images(page):
-    broken = page.run("""const images = JSON.parse(document.querySelector("#images").textContent);
+    sizes = page.run("""const images = JSON.parse(document.querySelector("#images").textContent);
     const entries = Object.entries(images);
     const states = entries.map(async ([name, data]) => {
       const image = new Image();
       image.src = "data:image/png;base64," + data;
-      return image.decode().then(() => image.naturalWidth > 0 ? "" : name, () => name);
+      return image.decode().then(() => image.naturalWidth + "x" + image.naturalHeight, () => name);
     });
-    return Promise.all(states).then((names) => [entries.length, names.filter(Boolean)]);""")
-    require(broken[0] > 0 and broken[1] == [], f"images: {broken}")
+    return Promise.all(states).then((sizes) => [...new Set(sizes)]);""")
+    require(len(sizes) == 1 and re.fullmatch(r"[1-9]\d*x[1-9]\d*", sizes[0]),
+            f"images are broken or differ in size: {sizes[:9]}")
     rest = page.run("return [...document.images].filter((i) => !i.naturalWidth).map((i) => i.src);")
     require(rest == [], f"images: {rest}")
 
