@@ -1,5 +1,6 @@
 /* A scene cut into chunks for the kernels: vertices transformed once each, triangles in runs of
- * SHB_CHUNK, and those that clipping has to look at in a list of their own. */
+ * SHB_CHUNK; clusters that the view may see; and triangles that clipping has to look at in a list
+ * of their own. */
 #ifndef SRC_CHUNK_H
 #define SRC_CHUNK_H
 
@@ -16,6 +17,7 @@ typedef struct shb_coded {
 typedef struct shb_chunks {
     const shb_chunk *chunks;
     size_t count;
+    size_t plain_count; /* the first ones; clusters follow */
     const shb_coded *coded;
     size_t coded_count;
     uint64_t not_finite;

@@ -25,7 +25,7 @@ typedef struct block_ranges {
 } block_ranges;
 
 static void find_ranges(const bin_job *job, size_t block, block_ranges *ranges) {
-    const size_t first = block * SHB_BLOCK_CHUNKS, left = job->chunks->count - first;
+    const size_t first = block * SHB_BLOCK_CHUNKS, left = job->chunks->plain_count - first;
     ranges->chunk_count = left < SHB_BLOCK_CHUNKS ? left : SHB_BLOCK_CHUNKS;
     for (size_t i = 0; i < ranges->chunk_count; i++)
         job->kernels->find_tiles(&job->chunks->chunks[first + i], &job->target->samples, job->shape,
@@ -93,7 +93,7 @@ static void bin_block(void *arg, size_t index) {
 
 bool shb_chunks_bin(shb_context *context, const shb_target *target, const shb_chunks *chunks,
                     shb_tile_shape shape, shb_chunk_bins *bins) {
-    const size_t blocks = (chunks->count + SHB_BLOCK_CHUNKS - 1) / SHB_BLOCK_CHUNKS;
+    const size_t blocks = (chunks->plain_count + SHB_BLOCK_CHUNKS - 1) / SHB_BLOCK_CHUNKS;
     bins->columns = ((uint32_t)target->samples.last_column >> shape.column_bits) + 1;
     bins->rows = ((uint32_t)target->samples.last_row >> shape.row_bits) + 1;
     const size_t tiles = (size_t)bins->columns * bins->rows;

@@ -24,7 +24,7 @@ typedef struct shb_chunk_bins {
 
 #define SHB_BLOCK_CAPACITY (4 * SHB_BLOCK_CHUNKS * SHB_CHUNK)
 
-/* Bins all chunks into tiles of the shape; false: out of memory. */
+/* Bins all chunks but clusters into tiles of the shape; false: out of memory. */
 bool shb_chunks_bin(shb_context *context, const shb_target *target, const shb_chunks *chunks,
                     shb_tile_shape shape, shb_chunk_bins *bins);
 

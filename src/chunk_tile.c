@@ -5,6 +5,7 @@
 #include "chunk_bin.h"
 #include "chunk_gather.h"
 #include "chunk_whole.h"
+#include "cluster_bin.h"
 #include "scratch.h"
 
 #include <stdatomic.h>
@@ -24,14 +25,11 @@
 
 /* Up to this many texels in all layers one thread draws straight through: they stay in a cache. So
  * do threads for as large a target where there is a triangle for every few texels, and one thread
- * for any target. */
+ * for any target. But not a few large triangles one over the other: they would go through the whole
+ * map each. */
 #define WHOLE_TEXELS (2048u * 2048u)
 #define WHOLE_TEXELS_PER_TRIANGLE 4
 #define WHOLE_TEXELS_PER_TRIANGLE_ALONE 20
-
-/* But not a few large triangles one over the other: they would go through the whole map each. */
-#define FEW_TRIANGLES 1024
-#define FEW_TRIANGLES_TEXELS (512u * 512u)
 
 typedef struct grid {
     bool whole;  /* the target is not cut into tiles */
@@ -48,13 +46,15 @@ typedef struct tile_job {
     const shb_chunks *chunks;
     grid grid;
     shb_chunk_bins bins;
+    shb_cluster_bins clusters;
     shb_layers *lanes; /* NULL when tiles are drawn directly */
     float *cells;      /* tile_cells of each lane */
     size_t tile_cells;
     float
         *depths; /* tile_depths of each lane, if the lanes are NULL and no image holds the depth */
     size_t tile_depths;
-    atomic_size_t next; /* row of tiles that nobody has begun */
+    atomic_size_t next;  /* row of tiles that nobody has begun */
+    atomic_size_t drawn; /* triangles of clusters */
 } tile_job;
 
 /* Bytes from one row of the image to the next. */
@@ -120,8 +120,7 @@ static bool suits_whole(const shb_context *context, const shb_draw_desc *desc, u
 static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
                         const shb_geometry *geometry) {
     const uint64_t triangles = geometry->triangle_count;
-    const bool few =
-        triangles <= FEW_TRIANGLES && desc->width * desc->height > FEW_TRIANGLES_TEXELS;
+    const bool few = geometry->few;
     const bool direct = can_draw_directly(desc);
     return (grid){.direct = direct,
                   .few = few,
@@ -197,7 +196,7 @@ static void draw_block(const tile_job *job, size_t block, size_t tile, shb_gathe
             shb_gather(gatherer, &chunks[binned[i] / SHB_CHUNK], binned[i] % SHB_CHUNK);
         return;
     }
-    const size_t left = job->chunks->count - block * SHB_BLOCK_CHUNKS;
+    const size_t left = job->chunks->plain_count - block * SHB_BLOCK_CHUNKS;
     for (size_t i = 0; i < SHB_BLOCK_CHUNKS && i < left; i++)
         job->kernels->draw(&chunks[i], gatherer->tile);
 }
@@ -209,12 +208,27 @@ static void draw_binned(const tile_job *job, size_t number, const shb_tile *tile
     shb_gather_flush(&gatherer);
 }
 
+/* The clusters that reach the tile. Returns how many of their triangles it owns. */
+static size_t draw_clusters(const tile_job *job, size_t row, const shb_layers *layers,
+                            const shb_tile *tile) {
+    const shb_cluster_bins *clusters = &job->clusters;
+    size_t drawn = 0;
+    for (size_t i = row ? clusters->ends[row - 1] : 0; i < clusters->ends[row]; i++) {
+        const shb_chunk *chunk = &job->chunks->chunks[clusters->chunks[i]];
+        if (!shb_samples_are_empty(shb_samples_intersect(chunk->cluster.samples, layers->samples)))
+            drawn += job->kernels->draw(chunk, tile);
+    }
+    return drawn;
+}
+
 static void draw_tile(tile_job *job, size_t lane, size_t number) {
     const shb_layers layers = layers_of(job, lane, tile_samples(job, number));
     const shb_tile tile = shb_layers_tile(&layers);
     shb_layers_clear(&layers, job->desc->view->reversed);
     shb_cells_clear(&tile, job->desc->view->reversed);
     draw_binned(job, number, &tile);
+    const size_t drawn = draw_clusters(job, number / job->bins.columns, &layers, &tile);
+    atomic_fetch_add(&job->drawn, drawn);
     draw_coded(job, &layers);
     shb_layers_store(&layers, job->desc);
 }
@@ -243,7 +257,9 @@ static bool reserve_depths(shb_context *context, tile_job *job, size_t lanes, si
 }
 
 static bool draw_tiles(shb_context *context, tile_job *job) {
-    if (!shb_chunks_bin(context, job->target, job->chunks, job->grid.shape, &job->bins))
+    if (!shb_chunks_bin(context, job->target, job->chunks, job->grid.shape, &job->bins) ||
+        !shb_clusters_bin(context, job->chunks, job->grid.shape.row_bits, job->bins.rows,
+                          &job->clusters))
         return false;
     const size_t rows = job->bins.rows;
     const size_t lanes = rows < context->threads ? rows : context->threads;
@@ -259,7 +275,9 @@ static bool draw_tiles(shb_context *context, tile_job *job) {
             return false;
     }
     atomic_init(&job->next, 0);
+    atomic_init(&job->drawn, 0);
     shb_parallel_for(context, run_lane, job, lanes);
+    job->bins.drawn += atomic_load(&job->drawn);
     return true;
 }
 

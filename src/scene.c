@@ -2,6 +2,7 @@
 
 #include "scene.h"
 
+#include "clusters.h"
 #include "matrix.h"
 #include "vector.h"
 
@@ -57,9 +58,7 @@ static shb_result check_indices(const shb_mesh *mesh, const char **reason) {
     return SHB_OK;
 }
 
-static shb_result check_mesh(const shb_mesh *mesh, const char **reason) {
-    if (!mesh)
-        return fail(reason, SHB_ERROR_ARGUMENT, "instance.mesh is NULL");
+shb_result shb_mesh_check(const shb_mesh *mesh, const char **reason) {
     if (mesh->triangle_count == 0)
         return SHB_OK;
     if (!mesh->positions)
@@ -76,6 +75,12 @@ static shb_result check_mesh(const shb_mesh *mesh, const char **reason) {
     return check_indices(mesh, reason);
 }
 
+static shb_result check_clusters(const shb_mesh *mesh, const char **reason) {
+    if (mesh->clusters && !shb_clusters_fit(mesh->clusters, mesh))
+        return fail(reason, SHB_ERROR_ARGUMENT, "mesh.clusters were made of another mesh");
+    return SHB_OK;
+}
+
 static shb_result check_instance(const shb_instance *instance, const char **reason) {
     const shb_mat4 transform = shb_instance_transform(instance);
     const double *m = transform.m;
@@ -86,7 +91,10 @@ static shb_result check_instance(const shb_instance *instance, const char **reas
                     "the last row of instance.world_from_mesh is not 0 0 0 1");
     if ((unsigned)instance->cull > SHB_CULL_FRONT)
         return fail(reason, SHB_ERROR_ARGUMENT, "instance.cull is out of range");
-    return check_mesh(instance->mesh, reason);
+    if (!instance->mesh)
+        return fail(reason, SHB_ERROR_ARGUMENT, "instance.mesh is NULL");
+    const shb_result result = shb_mesh_check(instance->mesh, reason);
+    return result ? result : check_clusters(instance->mesh, reason);
 }
 
 shb_result shb_scene_check(const shb_scene *scene, const char **reason) {
@@ -115,7 +123,7 @@ static bool get_triangle(const shb_mesh *mesh, uint32_t triangle, uint32_t verti
            vertices[2] < mesh->vertex_count;
 }
 
-static bool indices_are_valid(const shb_mesh *mesh) {
+bool shb_mesh_has_valid_indices(const shb_mesh *mesh) {
     uint32_t vertices[3];
     for (uint32_t i = 0; i < mesh->triangle_count; i++)
         if (!get_triangle(mesh, i, vertices))
@@ -129,7 +137,7 @@ shb_result shb_scene_validate(const shb_scene *scene) {
     if (result)
         return result;
     for (size_t i = 0; i < scene->instance_count; i++)
-        if (!indices_are_valid(scene->instances[i].mesh))
+        if (!shb_mesh_has_valid_indices(scene->instances[i].mesh))
             return SHB_ERROR_ARGUMENT;
     return SHB_OK;
 }

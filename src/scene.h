@@ -10,6 +10,11 @@ shb_mat4 shb_instance_transform(const shb_instance *instance);
 /* True if the transform mirrors (its determinant is negative). */
 bool shb_transform_mirrors(const shb_mat4 *transform);
 
+/* The checks of one mesh, clusters and the values of indices aside. As shb_scene_check. */
+shb_result shb_mesh_check(const shb_mesh *mesh, const char **reason);
+
+bool shb_mesh_has_valid_indices(const shb_mesh *mesh);
+
 /* The checks of drawing: everything but the values of indices. Returns SHB_OK or the error, with a
  * static sentence about it in *reason. */
 shb_result shb_scene_check(const shb_scene *scene, const char **reason);

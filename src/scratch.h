@@ -14,9 +14,13 @@ enum {
     SHB_SCRATCH_DEPTHS,    /* depth that is drawn beside ids, but not wanted */
     SHB_SCRATCH_VERTICES,  /* vertices in window space */
     SHB_SCRATCH_CHUNKS,
-    SHB_SCRATCH_BINS,   /* where each tile's part of a block of chunks ends */
-    SHB_SCRATCH_BINNED, /* triangles of each block, sorted by tile */
-    SHB_SCRATCH_CODED   /* ids of triangles that clipping has to look at */
+    SHB_SCRATCH_BINS,         /* where each tile's part of a block of chunks ends */
+    SHB_SCRATCH_BINNED,       /* triangles of each block, sorted by tile */
+    SHB_SCRATCH_CODED,        /* ids of triangles that clipping has to look at */
+    SHB_SCRATCH_VIEWS,        /* instances as their clusters are looked at */
+    SHB_SCRATCH_SEEN,         /* how many clusters each task kept */
+    SHB_SCRATCH_CLUSTER_ENDS, /* end of each row's list of clusters */
+    SHB_SCRATCH_CLUSTER_ROWS  /* the lists of all rows of tiles */
 };
 
 #endif

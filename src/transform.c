@@ -2,10 +2,14 @@
 
 #include "transform.h"
 
+#include "clusters.h"
 #include "scene.h"
 #include "scratch.h"
 
 #include <stddef.h>
+
+#define FEW_TRIANGLES 1024
+#define FEW_TRIANGLES_TEXELS (512u * 512u)
 
 /* A front face is counter-clockwise with y up, so its area is negative with y down. */
 static void choose_faces(const shb_instance *instance, bool flip, bool mirrors,
@@ -24,9 +28,23 @@ static shb_mat4 canonical_clip_from_mesh(const shb_view *view, const shb_mat4 *w
     return product;
 }
 
-static void collect_instances(const shb_draw_desc *desc, shb_draw_instance *instances,
-                              shb_geometry *geometry) {
-    *geometry = (shb_geometry){.instances = instances};
+static bool is_affine(const shb_mat4 *matrix) {
+    const double *m = matrix->m;
+    return m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1;
+}
+
+static bool are_few(const shb_draw_desc *desc) {
+    uint64_t triangles = 0;
+    for (size_t i = 0; i < desc->scene->instance_count; i++)
+        triangles += desc->scene->instances[i].mesh->triangle_count;
+    return triangles <= FEW_TRIANGLES && desc->width * desc->height > FEW_TRIANGLES_TEXELS;
+}
+
+/* The scalar code draws meshes alone. So do the kernels a few large triangles, which are sorted. */
+static void collect_instances(const shb_draw_desc *desc, bool with_kernels,
+                              shb_draw_instance *instances, shb_geometry *geometry) {
+    *geometry = (shb_geometry){.instances = instances, .few = are_few(desc)};
+    const bool with_clusters = with_kernels && !geometry->few;
     for (size_t i = 0; i < desc->scene->instance_count; i++) {
         const shb_instance *instance = &desc->scene->instances[i];
         if (instance->mesh->triangle_count == 0)
@@ -34,11 +52,15 @@ static void collect_instances(const shb_draw_desc *desc, shb_draw_instance *inst
         const shb_mat4 world_from_mesh = shb_instance_transform(instance);
         shb_draw_instance *drawn = &instances[geometry->instance_count++];
         drawn->mesh = instance->mesh;
+        drawn->clusters = with_clusters ? instance->mesh->clusters : NULL;
         drawn->clip_from_mesh = canonical_clip_from_mesh(desc->view, &world_from_mesh);
+        drawn->affine = is_affine(&drawn->clip_from_mesh);
         drawn->first_vertex = geometry->vertex_count;
+        drawn->first_cluster = geometry->cluster_count;
         drawn->first_triangle = geometry->triangle_count;
         choose_faces(instance, desc->flip_culling, shb_transform_mirrors(&world_from_mesh), drawn);
-        geometry->vertex_count += instance->mesh->vertex_count;
+        geometry->vertex_count += shb_instance_vertices(drawn);
+        geometry->cluster_count += drawn->clusters ? drawn->clusters->count : 0;
         geometry->triangle_count += instance->mesh->triangle_count;
     }
 }
@@ -54,12 +76,13 @@ bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_g
     if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_INSTANCES], desc->scene->instance_count,
                             sizeof(shb_draw_instance)))
         return false;
-    collect_instances(desc, scratch[SHB_SCRATCH_INSTANCES].data, geometry);
+    collect_instances(desc, context->kernels != NULL, scratch[SHB_SCRATCH_INSTANCES].data,
+                      geometry);
     return true;
 }
 
-/* The last instance whose first vertex or triangle, the member at this offset, is at or before the
- * number. */
+/* The last instance whose first vertex, triangle or cluster, the member at this offset, is at or
+ * before the number: those without any share their first one with the next instance. */
 static const shb_draw_instance *find_instance(const shb_geometry *geometry, size_t member,
                                               uint64_t number) {
     size_t lo = 0, hi = geometry->instance_count;
@@ -81,6 +104,15 @@ const shb_draw_instance *shb_geometry_instance(const shb_geometry *geometry, uin
 const shb_draw_instance *shb_geometry_instance_of_vertex(const shb_geometry *geometry,
                                                          uint64_t vertex) {
     return find_instance(geometry, offsetof(shb_draw_instance, first_vertex), vertex);
+}
+
+const shb_draw_instance *shb_geometry_instance_of_cluster(const shb_geometry *geometry,
+                                                          uint64_t cluster) {
+    return find_instance(geometry, offsetof(shb_draw_instance, first_cluster), cluster);
+}
+
+uint64_t shb_instance_vertices(const shb_draw_instance *instance) {
+    return instance->clusters ? 0 : instance->mesh->vertex_count;
 }
 
 void shb_geometry_corners(const shb_draw_instance *instance, uint64_t id,

@@ -16,13 +16,18 @@ typedef struct shb_clip_position {
     double v[4];
 } shb_clip_position;
 
-/* An instance that has triangles. Its vertices and triangles are runs of the drawing's ones. */
+/* An instance that has triangles. Its vertices, triangles and clusters are runs of the drawing's
+ * ones. */
 typedef struct shb_draw_instance {
     const shb_mesh *mesh;
+    const shb_clusters
+        *clusters; /* of the mesh, if they are what is drawn: it has no vertices then */
     shb_mat4 clip_from_mesh;
+    bool affine; /* w is 1 */
     uint64_t first_vertex;
     uint64_t first_triangle; /* its id */
-    bool keep_positive;      /* draw triangles whose window area, y down, is positive */
+    uint64_t first_cluster;
+    bool keep_positive; /* draw triangles whose window area, y down, is positive */
     bool keep_negative;
 } shb_draw_instance;
 
@@ -32,6 +37,8 @@ typedef struct shb_geometry {
     size_t instance_count;
     uint64_t vertex_count;
     uint64_t triangle_count;
+    uint64_t cluster_count;
+    bool few; /* a few triangles that may be large ones, one over the other */
 } shb_geometry;
 
 /* Lists the instances of a checked scene in the context's scratch; false: out of memory. */
@@ -40,9 +47,16 @@ bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_g
 /* The instance of a triangle; the id must be below the triangle count. */
 const shb_draw_instance *shb_geometry_instance(const shb_geometry *geometry, uint64_t id);
 
-/* The instance of a vertex of the drawing; all listed instances have vertices. */
+/* The instance of a vertex of the drawing. */
 const shb_draw_instance *shb_geometry_instance_of_vertex(const shb_geometry *geometry,
                                                          uint64_t vertex);
+
+/* The instance of a cluster of the drawing. */
+const shb_draw_instance *shb_geometry_instance_of_cluster(const shb_geometry *geometry,
+                                                          uint64_t cluster);
+
+/* The vertices that the instance has in the drawing. */
+uint64_t shb_instance_vertices(const shb_draw_instance *instance);
 
 /* True if the triangle belongs to this instance. */
 static inline bool shb_instance_has(const shb_draw_instance *instance, uint64_t id) {

@@ -82,7 +82,37 @@ static void check_same(const scene_case *drawn, const picture *a, const picture 
     CHECK(memcmp(&a->stats, &b->stats, sizeof a->stats) == 0);
 }
 
+/* The same scene of meshes with clusters. */
+typedef struct clustered_case {
+    scene_case drawn;
+    shb_context *context;
+    shb_mesh meshes[2];
+    shb_instance instances[2];
+    shb_clusters *clusters[2];
+} clustered_case;
+
+static void add_clusters(const scene_case *drawn, clustered_case *made) {
+    *made = (clustered_case){.drawn = *drawn};
+    CHECK_INT(shb_context_create(NULL, &made->context), SHB_OK);
+    for (size_t i = 0; i < drawn->scene.instance_count; i++) {
+        made->instances[i] = drawn->scene.instances[i];
+        made->meshes[i] = *made->instances[i].mesh;
+        CHECK_INT(shb_clusters_create(made->context, &made->meshes[i], &made->clusters[i]), SHB_OK);
+        made->meshes[i].clusters = made->clusters[i];
+        made->instances[i].mesh = &made->meshes[i];
+    }
+    made->drawn.scene.instances = made->instances;
+}
+
+static void free_clusters(clustered_case *made) {
+    for (size_t i = 0; i < 2; i++)
+        shb_clusters_destroy(made->clusters[i]);
+    shb_context_destroy(made->context);
+}
+
 static void check_all_agree(const scene_case *drawn) {
+    clustered_case clustered;
+    add_clusters(drawn, &clustered);
     picture reference = draw_picture(drawn, SHB_ISA_SCALAR, 2, 64);
     const shb_isa sets[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SHB_ISA_NEON};
     const struct { uint32_t threads, tile_size; } ways[] = {{1, 0}, {2, 0}, {3, 64}, {1, 16}};
@@ -91,8 +121,12 @@ static void check_all_agree(const scene_case *drawn) {
             picture other = draw_picture(drawn, sets[i], ways[k].threads, ways[k].tile_size);
             check_same(drawn, &reference, &other);
             free_picture(&other);
+            other = draw_picture(&clustered.drawn, sets[i], ways[k].threads, ways[k].tile_size);
+            check_same(drawn, &reference, &other);
+            free_picture(&other);
         }
     free_picture(&reference);
+    free_clusters(&clustered);
 }
 
 /* A soup of triangles around the origin: each corner lies within size of the triangle's centre. */

@@ -41,6 +41,26 @@ void scene_set_spot(example_scene *scene, shb_vec3 position, shb_vec3 target, do
                                               .color = {1.10f, 1.02f, 0.88f}};
 }
 
+shb_result scene_add_clusters(shb_context *context, example_scene *scene) {
+    shb_result result = SHB_OK;
+    scene_remove_clusters(scene);
+    for (size_t i = 0; i < scene->mesh_count && result == SHB_OK; i++) {
+        result = shb_clusters_create(context, &scene->views[i], &scene->clusters[i]);
+        scene->views[i].clusters = scene->clusters[i];
+    }
+    if (result != SHB_OK)
+        scene_remove_clusters(scene);
+    return result;
+}
+
+void scene_remove_clusters(example_scene *scene) {
+    for (size_t i = 0; i < scene->mesh_count; i++) {
+        shb_clusters_destroy(scene->clusters[i]);
+        scene->clusters[i] = NULL;
+        scene->views[i].clusters = NULL;
+    }
+}
+
 static scene_contact contact_of_box(shb_box box, shb_vec3 to_light, double length) {
     const shb_vec3 middle = {(box.lo.x + box.hi.x) / 2, box.lo.y, (box.lo.z + box.hi.z) / 2};
     scene_contact contact = {.contact = middle, .normal = {0, 1, 0}, .length = length};

@@ -4,6 +4,7 @@
 
 #include "owned_mesh.h"
 
+#include "shadowbias/clusters.h"
 #include "shadowbias/scene.h"
 #include "shadowbias/view.h"
 
@@ -65,6 +66,7 @@ typedef struct example_scene {
     shb_instance instances[SCENE_INSTANCES_MAX];
     shb_mesh views[SCENE_MESHES_MAX];
     owned_mesh meshes[SCENE_MESHES_MAX];
+    shb_clusters *clusters[SCENE_MESHES_MAX]; /* of the views, or NULL */
     size_t mesh_count;
     bool failed; /* out of memory, or of the room above, while building */
 } example_scene;
@@ -78,6 +80,11 @@ shb_result scene_camera_view(const example_scene *scene, uint32_t width, uint32_
 
 /* Moves the camera; its near and far distances then suit the scene's bounds. */
 void scene_move_camera(example_scene *scene, shb_vec3 eye, shb_vec3 target);
+
+/* Prepares the meshes for drawing, all or none; for scenes that are drawn more than once. Before
+ * the context is destroyed the clusters must be removed or the scene closed. */
+shb_result scene_add_clusters(shb_context *context, example_scene *scene);
+void scene_remove_clusters(example_scene *scene);
 
 /* For those who build scenes. */
 

@@ -159,6 +159,7 @@ bool scene_open(const char *text, example_scene **scene, char *error, size_t err
 void scene_close(example_scene *scene) {
     if (!scene)
         return;
+    scene_remove_clusters(scene);
     for (size_t i = 0; i < scene->mesh_count; i++)
         owned_mesh_free(&scene->meshes[i]);
     free(scene->instance_of_triangle);

@@ -8,17 +8,20 @@
 extern "C" {
 #endif
 
+typedef struct shb_clusters shb_clusters; /* clusters.h */
+
 /* Triangles by strided views. A triangle with a vertex that is not finite after its transform is
  * left out and counted; a triangle without area covers nothing. */
 typedef struct shb_mesh {
-    const float *positions;  /* x, y, z of each vertex in mesh units */
-    size_t position_stride;  /* bytes from one vertex to the next, a multiple of 4; 0: 12 */
-    const float *normals;    /* shading normals, or NULL; never used by a bias method */
-    size_t normal_stride;    /* bytes, a multiple of 4; 0: 12 */
-    uint32_t vertex_count;   /* indices must be below it */
-    const void *indices;     /* three a triangle; NULL: vertices 0 1 2, 3 4 5, ... */
-    uint32_t index_size;     /* bytes of an index: 2 or 4; 0: 4 */
-    uint32_t triangle_count; /* 0 draws nothing */
+    const float *positions;       /* x, y, z of each vertex in mesh units */
+    size_t position_stride;       /* bytes from one vertex to the next, a multiple of 4; 0: 12 */
+    const float *normals;         /* shading normals, or NULL; never used by a bias method */
+    size_t normal_stride;         /* bytes, a multiple of 4; 0: 12 */
+    uint32_t vertex_count;        /* indices must be below it */
+    const void *indices;          /* three a triangle; NULL: vertices 0 1 2, 3 4 5, ... */
+    uint32_t index_size;          /* bytes of an index: 2 or 4; 0: 4 */
+    uint32_t triangle_count;      /* 0 draws nothing */
+    const shb_clusters *clusters; /* made of this mesh for faster drawing, or NULL */
 } shb_mesh;
 
 typedef enum shb_cull {

@@ -5,6 +5,7 @@
 #include "shadowbias/area.h"
 #include "shadowbias/base.h"
 #include "shadowbias/bias.h"
+#include "shadowbias/clusters.h"
 #include "shadowbias/context.h"
 #include "shadowbias/filter.h"
 #include "shadowbias/image.h"

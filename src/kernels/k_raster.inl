@@ -19,7 +19,7 @@ static void classify(int count, const shb_tile *tile, const chunk_boxes *restric
                      const chunk_planes *restrict planes, uint8_t classes[SHB_CHUNK]) {
     int32_t wide[SHB_CHUNK];
     const int32_t x0 = tile->x0, y0 = tile->y0, x1 = tile->x1, y1 = tile->y1;
-    for (int t = 0; t < count; t++) {
+    for (int t = 0; t < lanes_of(count); t++) {
         const int32_t x = boxes->x[t], y = boxes->y[t];
         const int32_t width = boxes->width[t], height = boxes->height[t];
         const int32_t not_small = (SHB_SMALL - width) | (SHB_SMALL - height);
@@ -34,34 +34,35 @@ static void classify(int count, const shb_tile *tile, const chunk_boxes *restric
         class = planes->plain[t] == 0 ? careful : class;
         wide[t] = boxes->kept[t] == 0 ? CLASS_NONE : class;
     }
-    for (int t = 0; t < count; t++)
+    for (int t = 0; t < lanes_of(count); t++)
         classes[t] = (uint8_t)wide[t];
-    memset(classes + count, CLASS_NONE, SHB_CHUNK - (size_t)count);
+    memset(classes + lanes_of(count), CLASS_NONE, (size_t)(SHB_CHUNK - lanes_of(count)));
 }
 
-/* The four samples of each tiny triangle: its depth, or beyond the far depth where it is outside.
- */
+/* The four samples of each tiny triangle. */
 typedef struct tiny_samples {
     SHB_ALIGN float depth[4][SHB_CHUNK];
-    int32_t none[SHB_CHUNK]; /* -1 if all four are outside */
+    uint8_t inside[4][SHB_CHUNK]; /* 1: a tiny triangle covers this sample */
 } tiny_samples;
 
 static void sample_tiny(int count, const chunk_planes *restrict planes,
-                        tiny_samples *restrict samples) {
-    const float outside = 2.0f;
-    for (int t = 0; t < count; t++) {
-        const int32_t a = planes->edge[0][t], ax = planes->edge_x[0][t], ay = planes->edge_y[0][t];
-        const int32_t b = planes->edge[1][t], bx = planes->edge_x[1][t], by = planes->edge_y[1][t];
-        const int32_t c = planes->edge[2][t], cx = planes->edge_x[2][t], cy = planes->edge_y[2][t];
-        const int32_t e0 = a | b | c, e1 = (a + ax) | (b + bx) | (c + cx);
-        const int32_t e2 = (a + ay) | (b + by) | (c + cy);
-        const int32_t e3 = (a + ax + ay) | (b + bx + by) | (c + cx + cy);
+                        const uint8_t classes[SHB_CHUNK], tiny_samples *restrict samples) {
+    int32_t inside[4][SHB_CHUNK];
+    for (int t = 0; t < lanes_of(count); t++) {
+        int32_t edges[4];
+        find_tiny_edges(planes, t, edges);
         const float upper = planes->depth[t], lower = upper + planes->depth_y[t];
-        samples->depth[0][t] = e0 < 0 ? outside : upper;
-        samples->depth[1][t] = e1 < 0 ? outside : upper + planes->depth_x[t];
-        samples->depth[2][t] = e2 < 0 ? outside : lower;
-        samples->depth[3][t] = e3 < 0 ? outside : lower + planes->depth_x[t];
-        samples->none[t] = (e0 & e1 & e2 & e3) >> 31;
+        samples->depth[0][t] = upper;
+        samples->depth[1][t] = upper + planes->depth_x[t];
+        samples->depth[2][t] = lower;
+        samples->depth[3][t] = lower + planes->depth_x[t];
+        for (int s = 0; s < 4; s++)
+            inside[s][t] = edges[s] < 0 ? 0 : 1;
+    }
+    for (int s = 0; s < 4; s++) {
+        for (int t = 0; t < lanes_of(count); t++)
+            samples->inside[s][t] = classes[t] == CLASS_TINY ? (uint8_t)inside[s][t] : 0;
+        memset(samples->inside[s] + lanes_of(count), 0, (size_t)(SHB_CHUNK - lanes_of(count)));
     }
 }
 
@@ -79,15 +80,17 @@ static inline __attribute__((always_inline)) void merge_sample(const shb_tile *t
     tile->depth[at] = MIN(z, nearest);
 }
 
-static inline __attribute__((always_inline)) void draw_tiny(const shb_tile *tile, int layers,
-                                                            const chunk_boxes *boxes,
-                                                            const tiny_samples *samples, int t,
-                                                            uint32_t id) {
-    const ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + boxes->x[t] - tile->x0;
-    merge_sample(tile, layers, at, samples->depth[0][t], id);
-    merge_sample(tile, layers, at + 1, samples->depth[1][t], id);
-    merge_sample(tile, layers, at + tile->stride, samples->depth[2][t], id);
-    merge_sample(tile, layers, at + tile->stride + 1, samples->depth[3][t], id);
+/* Sample number s of the half chunk's tiny triangles. */
+static inline __attribute__((always_inline)) void
+draw_tiny(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers, const chunk_boxes *boxes,
+          const tiny_samples *samples, int half, int s) {
+    const ptrdiff_t offset = s / 2 * tile->stride + s % 2;
+    for (uint64_t members = wide_equal_bytes(samples->inside[s] + half, 1); members;
+         members &= members - 1) {
+        const int t = half + __builtin_ctzll(members);
+        const ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + boxes->x[t] - tile->x0;
+        merge_sample(tile, layers, at + offset, samples->depth[s][t], ids[t]);
+    }
 }
 
 /* Calls draw for every triangle of the half chunk that is of the class. */
@@ -95,8 +98,7 @@ static inline __attribute__((always_inline)) void draw_tiny(const shb_tile *tile
     for (uint64_t members = wide_equal_bytes(classes + half, (class)); members;                    \
          members &= members - 1) {                                                                 \
         const int t = half + __builtin_ctzll(members);                                             \
-        const uint32_t id =                                                                        \
-            (uint32_t)chunk->instance->first_triangle + triangle_of(chunk, (uint32_t)t);           \
+        const uint32_t id = ids[t];                                                                \
         draw;                                                                                      \
     }
 
@@ -106,11 +108,12 @@ static inline __attribute__((always_inline)) void draw_tiny(const shb_tile *tile
     FOR_CLASS(rows, NARROW_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, rows))
 
 static inline __attribute__((always_inline)) void
-draw_classes(const shb_chunk *chunk, const shb_tile *tile, int layers, const chunk_boxes *boxes,
-             const chunk_planes *planes, const tiny_samples *samples,
+draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
+             const chunk_boxes *boxes, const chunk_planes *planes, const tiny_samples *samples,
              const uint8_t classes[SHB_CHUNK]) {
     for (int half = 0; half < SHB_CHUNK; half += 64) {
-        FOR_CLASS(CLASS_TINY, draw_tiny(tile, layers, boxes, samples, t, id))
+        for (int s = 0; s < 4; s++)
+            draw_tiny(ids, tile, layers, boxes, samples, half, s);
         DRAW_ROWS(1)
         DRAW_ROWS(2)
         DRAW_ROWS(3)
@@ -128,44 +131,94 @@ draw_classes(const shb_chunk *chunk, const shb_tile *tile, int layers, const chu
     }
 }
 
-static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
-    const int count = (int)chunk->count;
+/* The live triangles' corners, and their numbers in the chunk. */
+static int gather_live(const corner_list *list, const uint8_t live[SHB_CHUNK],
+                       uint32_t indices[3 * SHB_CHUNK], uint8_t order[SHB_CHUNK]) {
+    int count = 0;
+    for (int half = 0; half < SHB_CHUNK; half += 64)
+        for (uint64_t members = wide_equal_bytes(live + half, 1); members; members &= members - 1) {
+            const int t = half + __builtin_ctzll(members);
+            memcpy(indices + 3 * count, list->indices + 3 * t, 3 * sizeof *indices);
+            order[count++] = (uint8_t)t;
+        }
+    if (count > 0)
+        repeat_last(count, indices);
+    return count;
+}
+
+static void find_ids(const shb_chunk *chunk, int count, const uint8_t *order,
+                     uint32_t ids[SHB_CHUNK]) {
+    const uint32_t first = (uint32_t)chunk->instance->first_triangle;
+    for (int t = 0; t < count; t++)
+        ids[t] = first + triangle_of(chunk, order ? order[t] : (uint32_t)t);
+}
+
+/* Draws what has been looked at; order: numbers in the chunk, or NULL if nothing was left out. */
+static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const corner_list *list,
+                         const uint8_t *order, const chunk_boxes *boxes, chunk_planes *planes) {
+    const int count = list->count;
     chunk_corners corners;
-    chunk_boxes boxes;
-    chunk_planes planes;
     tiny_samples samples;
     uint8_t classes[SHB_CHUNK];
-    const uint32_t kept =
-        look_at_chunk(chunk, tile->x0, tile->y0, tile->right, tile->y1, &corners, &boxes);
-    if (kept == 0)
-        return 0;
-    set_up_edges(count, &boxes, &planes);
-    set_up_depths(count, &corners, &boxes, &planes);
-    classify(count, tile, &boxes, &planes, classes);
-    sample_tiny(count, &planes, &samples);
-    for (int t = 0; t < count; t++)
-        classes[t] = classes[t] == CLASS_TINY && samples.none[t] ? CLASS_NONE : classes[t];
+    uint32_t ids[SHB_CHUNK];
+    fetch_corners(list, &corners);
+    set_up_depths(count, &corners, boxes, planes);
+    classify(count, tile, boxes, planes, classes);
+    sample_tiny(count, planes, classes, &samples);
     const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0);
+    if (layers & LAYER_IDS)
+        find_ids(chunk, count, order, ids);
+    else
+        memset(ids, 0, sizeof ids);
     switch (layers) {
     case 0:
-        draw_classes(chunk, tile, 0, &boxes, &planes, &samples, classes);
+        draw_classes(ids, tile, 0, boxes, planes, &samples, classes);
         break;
     case LAYER_IDS:
-        draw_classes(chunk, tile, LAYER_IDS, &boxes, &planes, &samples, classes);
+        draw_classes(ids, tile, LAYER_IDS, boxes, planes, &samples, classes);
         break;
     default:
-        draw_classes(chunk, tile, layers, &boxes, &planes, &samples, classes);
+        draw_classes(ids, tile, layers, boxes, planes, &samples, classes);
     }
-    return kept;
+}
+
+/* Where many triangles drop out before their depths are needed, the others are looked at once more
+ * without them. */
+static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
+    shb_vertex local[SHB_CLUSTER_VERTICES];
+    uint32_t listed[3 * SHB_CHUNK], live_indices[3 * SHB_CHUNK];
+    uint8_t live[SHB_CHUNK], order[SHB_CHUNK];
+    chunk_boxes boxes;
+    chunk_planes planes;
+    corner_list list = {vertices_of(chunk, local), list_indices(chunk, listed), (int)chunk->count};
+    if (look_at_corners(chunk->instance, &list, tile->x0, tile->y0, tile->right, tile->y1,
+                        &boxes) == 0)
+        return 0;
+    const uint32_t own = count_own(list.count, tile, &boxes);
+    set_up_edges(list.count, &boxes, &planes);
+    find_live(list.count, &boxes, &planes, live);
+    const int count = gather_live(&list, live, live_indices, order);
+    if (count == 0)
+        return own;
+    const bool gathers = count < list.count - list.count / 4;
+    if (gathers) {
+        list.indices = live_indices;
+        list.count = count;
+        look_at_corners(chunk->instance, &list, tile->x0, tile->y0, tile->right, tile->y1, &boxes);
+        set_up_edges(count, &boxes, &planes);
+    }
+    draw_corners(chunk, tile, &list, gathers ? order : NULL, &boxes, &planes);
+    return own;
 }
 
 static void find_tiles(const shb_chunk *chunk, const shb_samples *target, shb_tile_shape shape,
                        shb_chunk_ranges *ranges) {
-    const int count = (int)chunk->count;
     const int32_t right = target->last_column, bottom = target->last_row;
-    chunk_corners corners;
+    uint32_t listed[3 * SHB_CHUNK];
     chunk_boxes boxes;
-    look_at_chunk(chunk, 0, 0, right + 1, bottom + 1, &corners, &boxes);
+    const int count = (int)chunk->count;
+    const corner_list list = {chunk->vertices, list_indices(chunk, listed), count};
+    look_at_corners(chunk->instance, &list, 0, 0, right + 1, bottom + 1, &boxes);
     uint32_t kept = 0;
     for (int t = 0; t < count; t++) {
         ranges->triangle[kept] = (uint8_t)t;

@@ -2,7 +2,6 @@
  * branches. The formulas, their order and the proofs of their widths are those of setup.h and
  * plane.h. */
 
-#define SNAP_MAGIC 0x1.8p52
 #define MIN(a, b) ((a) < (b) ? (a) : (b))
 #define MAX(a, b) ((a) > (b) ? (a) : (b))
 
@@ -10,15 +9,32 @@
 typedef struct chunk_corners {
     SHB_ALIGN double x[3][SHB_CHUNK];
     double y[3][SHB_CHUNK], z[3][SHB_CHUNK];
-    uint64_t code[SHB_CHUNK]; /* of any corner */
 } chunk_corners;
+
+/* Loops run over whole vectors of the widest kind: what is beyond a count repeats its last triangle
+ * and is not kept. */
+#define LANES_TOGETHER 16
+
+static inline int lanes_of(int count) {
+    return (count + LANES_TOGETHER - 1) / LANES_TOGETHER * LANES_TOGETHER;
+}
+
+/* What is being drawn: triangles by the numbers of their vertices. */
+typedef struct corner_list {
+    const shb_vertex *vertices;
+    const uint32_t *indices; /* three a triangle, for all lanes */
+    int count;
+} corner_list;
+
+typedef int32_t quad __attribute__((vector_size(16)));
 
 /* Snapped corners, boxes and areas. The box is that of all samples that the triangle can cover. */
 typedef struct chunk_boxes {
     SHB_ALIGN int32_t corner_x[3][SHB_CHUNK];
     int32_t corner_y[3][SHB_CHUNK];
     int32_t x[SHB_CHUNK], y[SHB_CHUNK], width[SHB_CHUNK], height[SHB_CHUNK];
-    int32_t kept[SHB_CHUNK]; /* 1: faces the right way, covers a sample's box in the region */
+    int32_t seen[SHB_CHUNK]; /* 1: usable, its box has a sample in the region */
+    int32_t kept[SHB_CHUNK]; /* 1: seen and faces the right way */
     int32_t sign[SHB_CHUNK]; /* -1 if the area is negative, else 1 */
 } chunk_boxes;
 
@@ -37,74 +53,124 @@ static inline uint32_t triangle_of(const shb_chunk *chunk, uint32_t t) {
     return chunk->triangles ? chunk->triangles[t] : chunk->first + t;
 }
 
-/* The chunk's vertex indices, three a triangle. */
-static const uint32_t *list_indices(const shb_chunk *chunk, uint32_t indices[3 * SHB_CHUNK]) {
+/* Fills up the lanes beyond the count. */
+static void repeat_last(int count, uint32_t *indices) {
+    const uint32_t a = indices[3 * count - 3], b = indices[3 * count - 2];
+    const uint32_t c = indices[3 * count - 1];
+    for (int t = count, end = lanes_of(count); t < end; t++) {
+        indices[3 * t] = a;
+        indices[3 * t + 1] = b;
+        indices[3 * t + 2] = c;
+    }
+}
+
+static void list_local(int count, const uint8_t (*restrict corners)[3],
+                       uint32_t *restrict indices) {
+    const uint8_t *flat = corners[0];
+    for (int i = 0; i < 3 * count; i++)
+        indices[i] = flat[i];
+}
+
+static void list_of_mesh(const shb_chunk *chunk, uint32_t *restrict indices) {
     const shb_mesh *mesh = chunk->instance->mesh;
     const uint16_t *narrow = mesh->index_size == 2 ? mesh->indices : NULL;
     const uint32_t *wide = narrow ? NULL : mesh->indices;
-    if (wide && !chunk->triangles)
-        return wide + 3 * (size_t)chunk->first;
-    for (uint32_t t = 0; t < chunk->count; t++) {
+    const uint32_t count = chunk->count;
+    for (uint32_t t = 0; t < count; t++) {
         const size_t corner = 3 * (size_t)triangle_of(chunk, t);
         for (uint32_t k = 0; k < 3; k++)
             indices[3 * t + k] = wide     ? wide[corner + k]
                                  : narrow ? narrow[corner + k]
                                           : (uint32_t)corner + k;
     }
+}
+
+/* The chunk's vertex indices, three a triangle, for all lanes. */
+static const uint32_t *list_indices(const shb_chunk *chunk, uint32_t indices[3 * SHB_CHUNK]) {
+    const shb_mesh *mesh = chunk->instance->mesh;
+    const int count = (int)chunk->count;
+    if (chunk->vertices && mesh->indices && mesh->index_size != 2 && !chunk->triangles &&
+        count == lanes_of(count))
+        return (const uint32_t *)mesh->indices + 3 * (size_t)chunk->first;
+    if (chunk->vertices)
+        list_of_mesh(chunk, indices);
+    else
+        list_local(count, chunk->cluster.corners, indices);
+    repeat_last(count, indices);
     return indices;
 }
 
-/* Transposes the corners of two triangles at a time. Returns the codes of all. */
-static uint64_t fetch_corners(const shb_chunk *chunk, chunk_corners *corners) {
-    uint32_t listed[3 * SHB_CHUNK];
-    const uint32_t *indices = list_indices(chunk, listed);
-    code_pair codes = {0, 0};
-    for (uint32_t t = 0; t < chunk->count; t += 2) {
-        const uint32_t u = t + 1 < chunk->count ? t + 1 : t;
-        code_pair code = {0, 0};
-        for (uint32_t k = 0; k < 3; k++) {
-            const pair *a = (const pair *)&chunk->vertices[indices[3 * t + k]];
-            const pair *b = (const pair *)&chunk->vertices[indices[3 * u + k]];
+/* Transposes the snapped corners of four triangles at a time. */
+static void fetch_snapped(const corner_list *list, chunk_boxes *boxes) {
+    for (int t = 0; t < lanes_of(list->count); t += 4) {
+        const uint32_t *at = list->indices + 3 * t;
+        for (int k = 0; k < 3; k++) {
+            uint64_t v[4];
+            for (int i = 0; i < 4; i++)
+                memcpy(&v[i], &list->vertices[at[3 * i + k]].snapped_x, sizeof v[i]);
+            const quad a = (quad)(bits_pair){v[0], v[1]}, b = (quad)(bits_pair){v[2], v[3]};
+            *(quad *)&boxes->corner_x[k][t] = __builtin_shufflevector(a, b, 0, 2, 4, 6);
+            *(quad *)&boxes->corner_y[k][t] = __builtin_shufflevector(a, b, 1, 3, 5, 7);
+        }
+    }
+}
+
+/* Transposes the corners of two triangles at a time. */
+static void fetch_corners(const corner_list *list, chunk_corners *corners) {
+    for (int t = 0; t < lanes_of(list->count); t += 2) {
+        const uint32_t *at = list->indices + 3 * t;
+        for (int k = 0; k < 3; k++) {
+            const pair *a = (const pair *)&list->vertices[at[k]];
+            const pair *b = (const pair *)&list->vertices[at[3 + k]];
             *(pair *)&corners->x[k][t] = (pair){a[0][0], b[0][0]};
             *(pair *)&corners->y[k][t] = (pair){a[0][1], b[0][1]};
             *(pair *)&corners->z[k][t] = (pair){a[1][0], b[1][0]};
-            code |= (code_pair)(pair){a[1][1], b[1][1]};
         }
-        *(code_pair *)&corners->code[t] = code;
-        codes |= code;
     }
-    return codes[0] | codes[1];
 }
 
-static void snap_corners(int count, const chunk_corners *restrict corners,
-                         chunk_boxes *restrict boxes) {
-    for (int k = 0; k < 3; k++)
-        for (int t = 0; t < count; t++) {
-            boxes->corner_x[k][t] = (int32_t)((corners->x[k][t] * 256 + SNAP_MAGIC) - SNAP_MAGIC);
-            boxes->corner_y[k][t] = (int32_t)((corners->y[k][t] * 256 + SNAP_MAGIC) - SNAP_MAGIC);
-        }
+/* Differences below 2^15, in boxes of up to 127 samples: twice the areas fit into 32 bits. Returns
+ * a negative number if a box is larger. */
+static int32_t find_small_areas(int32_t keep_positive, int32_t keep_negative, int count,
+                                chunk_boxes *restrict boxes) {
+    int32_t larger = 0;
+    for (int t = 0; t < lanes_of(count); t++) {
+        const int32_t ax = boxes->corner_x[0][t], ay = boxes->corner_y[0][t];
+        const int32_t bx = boxes->corner_x[1][t] - ax, by = boxes->corner_y[1][t] - ay;
+        const int32_t cx = boxes->corner_x[2][t] - ax, cy = boxes->corner_y[2][t] - ay;
+        const int32_t area = (int32_t)((uint32_t)bx * (uint32_t)cy - (uint32_t)cx * (uint32_t)by);
+        const int32_t facing = area > 0 ? keep_positive : keep_negative;
+        boxes->sign[t] = area < 0 ? -1 : 1;
+        boxes->kept[t] = area == 0 ? 0 : facing & boxes->seen[t];
+        larger |= (126 - boxes->width[t]) | (126 - boxes->height[t]);
+    }
+    return larger;
 }
 
 /* Differences stay below 2^23, products below 2^46: exact in double. */
-static void find_areas(const shb_chunk *chunk, chunk_boxes *restrict boxes) {
-    const double keep_positive = chunk->instance->keep_positive ? 1.0 : 0.0;
-    const double keep_negative = chunk->instance->keep_negative ? 1.0 : 0.0;
-    const int count = (int)chunk->count;
-    for (int t = 0; t < count; t++) {
+static void find_large_areas(double keep_positive, double keep_negative, int count,
+                             chunk_boxes *restrict boxes) {
+    for (int t = 0; t < lanes_of(count); t++) {
         const int32_t ax = boxes->corner_x[0][t], ay = boxes->corner_y[0][t];
         const double bx = boxes->corner_x[1][t] - ax, by = boxes->corner_y[1][t] - ay;
         const double cx = boxes->corner_x[2][t] - ax, cy = boxes->corner_y[2][t] - ay;
         const double area = bx * cy - cx * by;
         const double facing = area > 0 ? keep_positive : keep_negative;
         boxes->sign[t] = area < 0 ? -1 : 1;
-        boxes->kept[t] = (int32_t)(area == 0 ? 0.0 : facing);
+        boxes->kept[t] = (int32_t)(area == 0 ? 0.0 : facing) & boxes->seen[t];
     }
 }
 
-/* Keeps triangles whose box has samples in the rectangle. */
+/* The boxes must be known. */
+static void find_areas(const shb_draw_instance *instance, int count, chunk_boxes *boxes) {
+    if (find_small_areas(instance->keep_positive, instance->keep_negative, count, boxes) < 0)
+        find_large_areas(instance->keep_positive, instance->keep_negative, count, boxes);
+}
+
+/* Triangles are seen whose vertices are usable and whose box has samples in the rectangle. */
 static void find_boxes(int count, int32_t x0, int32_t y0, int32_t x1, int32_t y1,
                        chunk_boxes *restrict boxes) {
-    for (int t = 0; t < count; t++) {
+    for (int t = 0; t < lanes_of(count); t++) {
         const int32_t ax = boxes->corner_x[0][t], ay = boxes->corner_y[0][t];
         const int32_t bx = boxes->corner_x[1][t], by = boxes->corner_y[1][t];
         const int32_t cx = boxes->corner_x[2][t], cy = boxes->corner_y[2][t];
@@ -118,25 +184,38 @@ static void find_boxes(int count, int32_t x0, int32_t y0, int32_t x1, int32_t y1
         boxes->y[t] = top;
         boxes->width[t] = right - left + 1;
         boxes->height[t] = bottom - top + 1;
-        boxes->kept[t] &= (columns | rows) < 0 ? 0 : 1;
+        boxes->seen[t] = (columns | rows | (SHB_UNUSABLE - 1 - hi_x)) < 0 ? 0 : 1;
     }
 }
 
-/* Everything about a chunk up to its boxes. Returns how many triangles are kept. */
-static uint32_t look_at_chunk(const shb_chunk *chunk, int32_t x0, int32_t y0, int32_t x1,
-                              int32_t y1, chunk_corners *corners, chunk_boxes *boxes) {
-    const int count = (int)chunk->count;
-    const uint64_t codes = fetch_corners(chunk, corners);
-    snap_corners(count, corners, boxes);
-    find_areas(chunk, boxes);
-    find_boxes(count, x0, y0, x1, y1, boxes);
-    if (codes & SHB_CODE_UNUSABLE)
-        for (int t = 0; t < count; t++)
-            boxes->kept[t] &= corners->code[t] & SHB_CODE_UNUSABLE ? 0 : 1;
+/* How many triangles are kept. */
+static uint32_t count_kept(int count, const chunk_boxes *boxes) {
     int32_t kept = 0;
-    for (int t = 0; t < count; t++)
+    for (int t = 0; t < lanes_of(count); t++)
         kept += boxes->kept[t];
     return (uint32_t)kept;
+}
+
+/* How many kept triangles have the first sample that they have in the target in the tile. */
+static uint32_t count_own(int count, const shb_tile *tile, const chunk_boxes *boxes) {
+    const int32_t left = tile->x0 == 0 ? INT32_MIN : tile->x0;
+    const int32_t top = tile->y0 == 0 ? INT32_MIN : tile->y0;
+    int32_t own = 0;
+    for (int t = 0; t < lanes_of(count); t++)
+        own += boxes->x[t] < left || boxes->y[t] < top ? 0 : boxes->kept[t];
+    return (uint32_t)own;
+}
+
+/* Everything about triangles up to their boxes. Returns how many are kept. */
+static uint32_t look_at_corners(const shb_draw_instance *instance, const corner_list *list,
+                                int32_t x0, int32_t y0, int32_t x1, int32_t y1,
+                                chunk_boxes *boxes) {
+    fetch_snapped(list, boxes);
+    find_boxes(list->count, x0, y0, x1, y1, boxes);
+    find_areas(instance, list->count, boxes);
+    for (int t = list->count; t < lanes_of(list->count); t++)
+        boxes->kept[t] = 0;
+    return count_kept(list->count, boxes);
 }
 
 /* Unsigned arithmetic wraps where a box is too large for 32 bits; such values are not used. */
@@ -144,7 +223,7 @@ static void set_up_edges(int count, const chunk_boxes *restrict boxes,
                          chunk_planes *restrict planes) {
     for (int k = 0; k < 3; k++) {
         const int next = k == 2 ? 0 : k + 1;
-        for (int t = 0; t < count; t++) {
+        for (int t = 0; t < lanes_of(count); t++) {
             const int32_t sign = boxes->sign[t];
             const int32_t px = boxes->corner_x[k][t], py = boxes->corner_y[k][t];
             const int32_t dx = (boxes->corner_x[next][t] - px) * sign;
@@ -161,10 +240,38 @@ static void set_up_edges(int count, const chunk_boxes *restrict boxes,
     }
 }
 
+/* The edges at the samples of a box of up to two by two, negative outside. */
+static inline __attribute__((always_inline)) void find_tiny_edges(const chunk_planes *planes, int t,
+                                                                  int32_t edges[4]) {
+    const int32_t a = planes->edge[0][t], ax = planes->edge_x[0][t], ay = planes->edge_y[0][t];
+    const int32_t b = planes->edge[1][t], bx = planes->edge_x[1][t], by = planes->edge_y[1][t];
+    const int32_t c = planes->edge[2][t], cx = planes->edge_x[2][t], cy = planes->edge_y[2][t];
+    edges[0] = a | b | c;
+    edges[1] = (a + ax) | (b + bx) | (c + cx);
+    edges[2] = (a + ay) | (b + by) | (c + cy);
+    edges[3] = (a + ax + ay) | (b + bx + by) | (c + cx + cy);
+}
+
+/* Triangles that are kept and not so small that they lie between all samples. */
+static void find_live(int count, const chunk_boxes *restrict boxes,
+                      const chunk_planes *restrict planes, uint8_t live[SHB_CHUNK]) {
+    int32_t wide[SHB_CHUNK];
+    for (int t = 0; t < lanes_of(count); t++) {
+        int32_t edges[4];
+        find_tiny_edges(planes, t, edges);
+        const int32_t not_tiny = (2 - boxes->width[t]) | (2 - boxes->height[t]);
+        const int32_t missed = (edges[0] & edges[1] & edges[2] & edges[3]) & ~not_tiny;
+        wide[t] = missed < 0 ? 0 : boxes->kept[t];
+    }
+    for (int t = 0; t < lanes_of(count); t++)
+        live[t] = (uint8_t)wide[t];
+    memset(live + lanes_of(count), 0, (size_t)(SHB_CHUNK - lanes_of(count)));
+}
+
 /* Conditions are numbers, 1 or 0, so that the loop stays in vectors of doubles. */
 static void set_up_depths(int count, const chunk_corners *restrict corners,
                           const chunk_boxes *restrict boxes, chunk_planes *restrict planes) {
-    for (int t = 0; t < count; t++) {
+    for (int t = 0; t < lanes_of(count); t++) {
         const double x0 = corners->x[0][t], y0 = corners->y[0][t], z0 = corners->z[0][t];
         const double dx1 = corners->x[1][t] - x0, dx2 = corners->x[2][t] - x0;
         const double dy1 = corners->y[1][t] - y0, dy2 = corners->y[2][t] - y0;

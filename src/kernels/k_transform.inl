@@ -1,23 +1,32 @@
 /* Vertices: mesh units to window space, the formulas of transform.h and setup.h. */
 
-#define VERTEX_BLOCK 64
+#define VERTEX_BLOCK 128
 
 typedef double pair __attribute__((vector_size(16)));
-typedef uint64_t code_pair __attribute__((vector_size(16)));
+typedef uint64_t bits_pair __attribute__((vector_size(16)));
 
 typedef struct vertex_block {
     SHB_ALIGN double x[VERTEX_BLOCK];
     double y[VERTEX_BLOCK], z[VERTEX_BLOCK], w[VERTEX_BLOCK];
     uint64_t code[VERTEX_BLOCK];
+    uint64_t snapped[VERTEX_BLOCK]; /* x in the lower half, y in the upper one */
 } vertex_block;
 
 static void load_positions(const shb_transform_job *job, size_t first, size_t count,
                            vertex_block *block) {
-    const float *p = job->positions + first * job->stride;
-    for (size_t i = 0; i < count; i++, p += job->stride) {
-        block->x[i] = (double)p[0];
-        block->y[i] = (double)p[1];
-        block->z[i] = (double)p[2];
+    const size_t stride = job->stride;
+    const float *restrict x = job->positions[0] + first * stride;
+    const float *restrict y = job->positions[1] + first * stride;
+    const float *restrict z = job->positions[2] + first * stride;
+    for (size_t i = 0; i < count && stride == 1; i++) {
+        block->x[i] = (double)x[i];
+        block->y[i] = (double)y[i];
+        block->z[i] = (double)z[i];
+    }
+    for (size_t i = 0; i < count && stride != 1; i++) {
+        block->x[i] = (double)x[i * stride];
+        block->y[i] = (double)y[i * stride];
+        block->z[i] = (double)z[i * stride];
     }
 }
 
@@ -84,19 +93,40 @@ to_window_space(const shb_transform_job *job, size_t count, bool affine, vertex_
     }
 }
 
+/* Adding 1.5 * 2^52 leaves the rounded number in the lower half of the bits. */
+static inline uint64_t snap_bits(double pixels) {
+    const double rounded = pixels * 256 + 0x1.8p52;
+    uint64_t bits;
+    memcpy(&bits, &rounded, sizeof bits);
+    return bits;
+}
+
+static void snap_vertices(size_t count, vertex_block *block) {
+    for (size_t i = 0; i < count; i++)
+        block->snapped[i] = (snap_bits(block->x[i]) & 0xffffffffu) | snap_bits(block->y[i]) << 32;
+}
+
+/* Puts codes in the place of what is not usable. True if there is any. */
+static bool mark_unusable(size_t count, vertex_block *block) {
+    uint64_t codes = 0;
+    for (size_t i = 0; i < count; i++) {
+        const uint64_t code = block->code[i];
+        block->snapped[i] =
+            code & SHB_CODE_UNUSABLE ? SHB_UNUSABLE | code << 32 : block->snapped[i];
+        codes |= code;
+    }
+    return (codes & SHB_CODE_UNUSABLE) != 0;
+}
+
 /* True if a vertex is not usable. */
 static inline __attribute__((always_inline)) bool
 transform_block(const shb_transform_job *job, size_t count, bool affine, vertex_block *block) {
-    uint64_t codes = 0;
-    if (to_clip_space(job, count, affine, block)) {
-        memset(block->code, 0, sizeof block->code);
-    } else {
+    const bool inside = to_clip_space(job, count, affine, block);
+    if (!inside)
         find_codes(job, count, block);
-        for (size_t i = 0; i < count; i++)
-            codes |= block->code[i];
-    }
     to_window_space(job, count, affine, block);
-    return (codes & SHB_CODE_UNUSABLE) != 0;
+    snap_vertices(count, block);
+    return !inside && mark_unusable(count, block);
 }
 
 /* Two vertices at a time. */
@@ -105,15 +135,17 @@ static void store_vertices(size_t count, const vertex_block *block, shb_vertex *
     for (; i + 2 <= count; i += 2) {
         const pair x = *(const pair *)&block->x[i], y = *(const pair *)&block->y[i];
         const pair z = *(const pair *)&block->z[i];
-        const pair code = (pair)(*(const code_pair *)&block->code[i]);
+        const pair snapped = (pair)(*(const bits_pair *)&block->snapped[i]);
         pair *halves = (pair *)(void *)&vertices[i];
         halves[0] = (pair){x[0], y[0]};
-        halves[1] = (pair){z[0], code[0]};
+        halves[1] = (pair){z[0], snapped[0]};
         halves[2] = (pair){x[1], y[1]};
-        halves[3] = (pair){z[1], code[1]};
+        halves[3] = (pair){z[1], snapped[1]};
     }
     if (i < count)
-        vertices[i] = (shb_vertex){block->x[i], block->y[i], block->z[i], block->code[i]};
+        vertices[i] = (shb_vertex){block->x[i], block->y[i], block->z[i],
+                                   (int32_t)(uint32_t)block->snapped[i],
+                                   (int32_t)(uint32_t)(block->snapped[i] >> 32)};
 }
 
 static bool transform(const shb_transform_job *job) {
@@ -128,4 +160,24 @@ static bool transform(const shb_transform_job *job) {
         store_vertices(count, &block, job->vertices + first);
     }
     return any_coded;
+}
+
+/* Clusters follow each other in memory: the next one is asked for while this one is drawn. */
+static void prefetch_next(const shb_seen_cluster *cluster) {
+    const char *next = (const char *)(cluster->positions + 3 * cluster->places);
+    for (size_t line = 0; line < 3 * sizeof(float) * cluster->places; line += 64)
+        __builtin_prefetch(next + line);
+    for (size_t line = 0; line < 3 * SHB_CHUNK; line += 64)
+        __builtin_prefetch((const char *)(cluster->corners + SHB_CHUNK) + line);
+}
+
+/* The chunk's vertices, transformed into local where they are those of a cluster. */
+static const shb_vertex *vertices_of(const shb_chunk *chunk,
+                                     shb_vertex local[SHB_CLUSTER_VERTICES]) {
+    if (chunk->vertices)
+        return chunk->vertices;
+    const shb_transform_job job = shb_cluster_job(chunk, local);
+    prefetch_next(&chunk->cluster);
+    transform(&job);
+    return local;
 }

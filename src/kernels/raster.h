@@ -8,6 +8,9 @@
 /* Triangles are set up this many at a time. */
 #define SHB_CHUNK 128
 
+/* Vertices of a cluster: a byte reaches them all. */
+#define SHB_CLUSTER_VERTICES 256
+
 /* Edges of a box up to this many samples wide and high fit into 32 bits. */
 #define SHB_SMALL 64
 
@@ -21,18 +24,26 @@ enum {
     SHB_CODE_OUTSIDE = 4 | 8 | 16 | 32 /* one bit for each border of the target */
 };
 
-/* A vertex in window space, and its code. The numbers mean nothing where it is not usable: its
- * triangles are left to clipping. */
+/* A vertex in window space, as it is and snapped. One that is not usable has SHB_UNUSABLE for its
+ * snapped x and its code for its snapped y, and the rest means nothing: its triangles are left to
+ * clipping. */
 typedef struct shb_vertex {
     double x, y, z;
-    uint64_t code;
+    int32_t snapped_x, snapped_y;
 } shb_vertex;
+
+/* Beyond all snapped coordinates, and so near that differences and boxes fit into 32 bits. */
+#define SHB_UNUSABLE (1 << 26)
+
+static inline uint32_t shb_vertex_code(const shb_vertex *vertex) {
+    return vertex->snapped_x == SHB_UNUSABLE ? (uint32_t)vertex->snapped_y : 0;
+}
 
 /* Vertices of a mesh that are to be transformed. */
 typedef struct shb_transform_job {
     const double *clip_from_mesh; /* column-major, row z for canonical depth */
-    const float *positions;
-    size_t stride; /* in floats */
+    const float *positions[3];    /* the first x, y and z */
+    size_t stride;                /* to the next ones, in floats */
     size_t count;
     bool affine; /* w is 1 */
     double half_width, half_height;
@@ -40,14 +51,43 @@ typedef struct shb_transform_job {
     shb_vertex *vertices;
 } shb_transform_job;
 
+/* A cluster that a drawing has to look at. */
+typedef struct shb_seen_cluster {
+    const shb_target *target;
+    const float *positions;        /* all x of the vertices, then all y and all z */
+    const uint8_t (*corners)[3];   /* of the triangles, numbers of vertices */
+    uint32_t vertex_count, places; /* places: from the first x to the first y */
+    bool may_be_coded;             /* some vertex may not be usable */
+    shb_samples samples;           /* its usable triangles lie in them */
+    float nearest;                 /* and not before this depth */
+} shb_seen_cluster;
+
 /* Up to SHB_CHUNK triangles of one instance: those listed, or those that follow the first one. */
 typedef struct shb_chunk {
     const shb_draw_instance *instance;
-    const shb_vertex *vertices; /* of the instance */
+    const shb_vertex *vertices; /* of the instance; NULL: those of a cluster, to be transformed */
     const uint32_t *triangles;  /* numbers in the mesh, or NULL */
     uint32_t first;             /* number in the mesh */
     uint32_t count;
+    shb_seen_cluster cluster; /* if there are no vertices yet */
 } shb_chunk;
+
+/* Puts the vertices of a chunk that is a cluster into window space. */
+static inline shb_transform_job shb_cluster_job(const shb_chunk *chunk, shb_vertex *vertices) {
+    const shb_seen_cluster *cluster = &chunk->cluster;
+    const float *positions = cluster->positions;
+    return (shb_transform_job){
+        .clip_from_mesh = chunk->instance->clip_from_mesh.m,
+        .positions = {positions, positions + cluster->places, positions + 2 * cluster->places},
+        .stride = 1,
+        .count = cluster->vertex_count,
+        .affine = chunk->instance->affine,
+        .half_width = cluster->target->half_width,
+        .half_height = cluster->target->half_height,
+        .volume = &cluster->target->volume,
+        .vertices = vertices,
+    };
+}
 
 /* A rectangle of the target, columns x0 .. x1 - 1 and rows y0 .. y1 - 1; x1 - x0 is a multiple of
  * 16, and columns from right on are not wanted but may be written. Texel (x, y) is element (y - y0)
@@ -83,7 +123,8 @@ typedef struct shb_kernels {
     bool (*transform)(const shb_transform_job *job);
     void (*find_tiles)(const shb_chunk *chunk, const shb_samples *target, shb_tile_shape shape,
                        shb_chunk_ranges *ranges);
-    /* Returns how many triangles have their box in the tile. */
+    /* Returns how many triangles have their box in the tile, its first sample in the target
+     * included. */
     uint32_t (*draw)(const shb_chunk *chunk, const shb_tile *tile);
 } shb_kernels;
 

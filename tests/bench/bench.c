@@ -31,8 +31,8 @@ static bool measure_scene(bench_session *session, const char *name, bool with_li
 }
 
 static bool measure_scenes(bench_session *session) {
-    static const char *const groups[] = {"depth",      "camera", "dual", "cull",
-                                         "visibility", "shade",  "frame"};
+    static const char *const groups[] = {"depth",   "camera",     "dual",  "cull",
+                                         "prepare", "visibility", "shade", "frame"};
     bool wanted = false;
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
         wanted |= options_want(&session->options, groups[i], NULL);

@@ -15,12 +15,15 @@ static const char help[] =
     "  camera       depth and ids as the camera sees it        triangle\n"
     "  dual         two closest depths as the light sees them  triangle\n"
     "  cull         everything lies beside the view            triangle\n"
+    "  prepare      clusters of the scene's meshes             triangle\n"
     "  visibility   hard:METHOD, fragments of a camera's view  fragment\n"
     "  shade        shade:METHOD, Lambert under one light      fragment\n"
     "  frame        frame:METHOD, map, camera and shading      fragment\n"
     "  goals        times with a goal, by instruction set\n"
     "  ratios       two things by turns, with a goal\n"
     "  soft         filters under area lights: times, errors, goals\n"
+    "depth, camera, dual and cull twice, the second time with clusters: so are drawings of goals\n"
+    "and ratios.\n"
     "goals, ratios and soft have scenes and sizes of their own: --scene and --size leave them "
     "out.\n"
     "Made for measuring: height-field, hills, huge, stack, triangle and culled.\n"
@@ -34,7 +37,7 @@ static const char help[] =
     "copy the bytes that they must read and write), one thread, divided by the time taken.\n"
     "Cycles come from a chain of additions timed at the start.\n";
 
-static const char *const groups[] = {"depth", "camera", "dual",  "cull",   "visibility",
+static const char *const groups[] = {"depth", "camera", "dual",  "cull",   "prepare", "visibility",
                                      "shade", "frame",  "goals", "ratios", "soft"};
 
 /* True if some stage has the name that --only gives. */

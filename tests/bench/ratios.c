@@ -114,7 +114,8 @@ static bool measure_drawn_scene(bench_session *session, int index) {
          false},
     };
     example_scene *scene = subject_open_if_there(session->options.folder, drawn_scenes[index]);
-    bool done = true;
+    bool done = !scene ||
+                session_succeeds(drawn_scenes[index], scene_add_clusters(session->context, scene));
     for (size_t i = 0; scene && done && i < sizeof ratios / sizeof *ratios; i++)
         if (ratios[i].first && ratios[i].second)
             done = measure_draw_ratio(session, &ratios[i], scene, index);
@@ -169,8 +170,10 @@ static bool measure_fill(bench_session *session) {
 }
 
 /* Nanoseconds a triangle where nothing is to be drawn. */
-static bool report_culled(bench_session *session, const char *title, const example_scene *scene) {
+static bool report_culled(bench_session *session, const char *title, example_scene *scene) {
     shb_context *const context = session_single(session);
+    if (!session_succeeds(title, scene_add_clusters(context, scene)))
+        return false;
     bench_row row = start_row("culled", title, scene, RATIO_SIZE, context, 0.3);
     draw_work work;
     row.size = 64;
@@ -256,7 +259,7 @@ static bool measure_light_ratios(bench_session *session) {
 }
 
 bool ratios_measure(bench_session *session) {
-    report_heading(session, "ratios");
+    report_heading(session, "ratios, drawn meshes with clusters");
     progress_step(&session->progress, "ratios");
     bool done = measure_fill(session);
     for (int i = 0; i < DRAWN_SCENES && done; i++) {

@@ -94,7 +94,8 @@ static void print_columns(const bench_session *session, const bench_row *row) {
     printf("%10.0f", row->texels / ms * 1e-3);
     print_cost(ns);
     print_cost(ns * ghz(session));
-    printf("%7.1f%8.1f%%", row->bytes / row->texels, 100 * row->limit_seconds / row->times.median);
+    printf("%7.1f%8.1f%%", row->texels > 0 ? row->bytes / row->texels : 0,
+           100 * row->limit_seconds / row->times.median);
     if (row->scalar.median > 0)
         printf("%11.3f%8.1f", 1e3 * row->scalar.median, row->scalar.median / row->times.median);
     printf("\n");

@@ -72,7 +72,8 @@ static bool time_stage(bench_session *session, const draw_stage *stage, const ex
                      .texels = (double)size * size};
     row.bytes = row.texels * draw_work_pixel_bytes(stage->images);
     row.limit_seconds = machine_store_seconds(&session->machine, row.bytes);
-    snprintf(row.stage, sizeof row.stage, "%s", stage->name);
+    const bool clustered = scene->scene.instances[0].mesh->clusters != NULL;
+    snprintf(row.stage, sizeof row.stage, "%s%s", stage->name, clustered ? ", clusters" : "");
     snprintf(row.scene, sizeof row.scene, "%s", title);
     shb_view view;
     draw_work work;
@@ -81,7 +82,7 @@ static bool time_stage(bench_session *session, const draw_stage *stage, const ex
                                                   size, stage->images, &work)))
         return false;
     draw_work scalar = work;
-    scalar.context = session->scalar;
+    scalar.context = clustered ? NULL : session->scalar;
     const bool done =
         stages_measure(session, draw_work_of(&work),
                        scalar.context ? draw_work_of(&scalar) : (bench_work){0}, &row);
@@ -89,7 +90,7 @@ static bool time_stage(bench_session *session, const draw_stage *stage, const ex
     return done;
 }
 
-bool stages_draw(bench_session *session, const example_scene *scene, const char *title) {
+static bool time_stages(bench_session *session, const example_scene *scene, const char *title) {
     const uint32_t *sizes;
     const size_t count = options_sizes(&session->options, &sizes);
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
@@ -102,4 +103,34 @@ bool stages_draw(bench_session *session, const example_scene *scene, const char 
     }
     return !options_want(&session->options, cull_stage.name, NULL) ||
            time_stage(session, &cull_stage, scene, title, CULL_SIZE);
+}
+
+typedef struct prepare_work {
+    shb_context *context;
+    example_scene *scene;
+} prepare_work;
+
+static shb_result prepare(void *state) {
+    const prepare_work *work = state;
+    return scene_add_clusters(work->context, work->scene);
+}
+
+static bool time_preparation(bench_session *session, example_scene *scene, const char *title) {
+    bench_row row = {.triangles = scene->triangle_count,
+                     .isa = shb_context_isa(session->context),
+                     .threads = 1,
+                     .items = (double)scene->triangle_count};
+    snprintf(row.stage, sizeof row.stage, "prepare");
+    snprintf(row.scene, sizeof row.scene, "%s", title);
+    prepare_work work = {session->context, scene};
+    const shb_result result = bench_measure((bench_work){prepare, &work}, session->clock,
+                                            session->scalar_plan, &row.times);
+    if (!result && options_want(&session->options, "prepare", NULL))
+        report_stage(session, &row);
+    return session_succeeds(row.stage, result);
+}
+
+bool stages_draw(bench_session *session, example_scene *scene, const char *title) {
+    return time_stages(session, scene, title) && time_preparation(session, scene, title) &&
+           time_stages(session, scene, title);
 }

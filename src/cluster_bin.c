@@ -1,0 +1,49 @@
+#include "strict.h"
+
+#include "cluster_bin.h"
+
+#include "scratch.h"
+
+#include <string.h>
+
+/* The length of every list, then the start of every list in its place. Returns the sum. */
+static size_t find_starts(const shb_chunks *chunks, int row_bits, size_t rows, size_t *starts) {
+    memset(starts, 0, rows * sizeof *starts);
+    for (size_t i = chunks->plain_count; i < chunks->count; i++) {
+        const shb_samples *samples = &chunks->chunks[i].cluster.samples;
+        for (int32_t row = samples->first_row >> row_bits; row <= samples->last_row >> row_bits;
+             row++)
+            starts[row]++;
+    }
+    size_t sum = 0;
+    for (size_t row = 0; row < rows; row++) {
+        const size_t length = starts[row];
+        starts[row] = sum;
+        sum += length;
+    }
+    return sum;
+}
+
+/* Every cluster moves its rows' cursors on, which end up at the ends of the lists. */
+static void fill(const shb_chunks *chunks, int row_bits, size_t *cursors, uint32_t *listed) {
+    for (size_t i = chunks->plain_count; i < chunks->count; i++) {
+        const shb_samples *samples = &chunks->chunks[i].cluster.samples;
+        for (int32_t row = samples->first_row >> row_bits; row <= samples->last_row >> row_bits;
+             row++)
+            listed[cursors[row]++] = (uint32_t)i;
+    }
+}
+
+bool shb_clusters_bin(shb_context *context, const shb_chunks *chunks, int row_bits, size_t rows,
+                      shb_cluster_bins *bins) {
+    shb_buffer *scratch = context->draw_scratch;
+    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CLUSTER_ENDS], rows, sizeof(size_t)))
+        return false;
+    size_t *ends = scratch[SHB_SCRATCH_CLUSTER_ENDS].data;
+    const size_t entries = find_starts(chunks, row_bits, rows, ends);
+    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CLUSTER_ROWS], entries, sizeof(uint32_t)))
+        return false;
+    fill(chunks, row_bits, ends, scratch[SHB_SCRATCH_CLUSTER_ROWS].data);
+    *bins = (shb_cluster_bins){ends, scratch[SHB_SCRATCH_CLUSTER_ROWS].data};
+    return true;
+}

@@ -1,0 +1,40 @@
+/* The inside of clusters. */
+#ifndef SRC_CLUSTERS_H
+#define SRC_CLUSTERS_H
+
+#include "kernels/raster.h"
+#include "shadowbias/clusters.h"
+
+/* Vertices of a cluster take a multiple of so many places. */
+#define SHB_CLUSTER_PADDING 8
+
+/* A box and a cone in mesh units. */
+typedef struct shb_cluster {
+    float lo[3], hi[3]; /* of the vertices; lo[0] is NaN if one of them is not finite */
+    float axis[3];      /* of a cone that holds the normals of all triangles that have two edges */
+    float cosine;       /* of half its opening; 0 or less: there is no cone */
+    float height;       /* no such triangle is less high over its longest edge */
+    uint32_t first_triangle;
+    uint64_t first_vertex; /* a place */
+    uint16_t triangle_count, vertex_count;
+} shb_cluster;
+
+struct shb_clusters {
+    const shb_context *context;            /* whose memory it is */
+    uint32_t vertex_count, triangle_count; /* of the mesh */
+    size_t count;
+    shb_cluster *clusters;
+    float *positions;      /* of each cluster all x, all y, all z: three for a place */
+    uint8_t (*corners)[3]; /* of each triangle, numbers in the cluster */
+    uint32_t *triangles;   /* their numbers in the mesh */
+};
+
+/* Places of the cluster's vertices. */
+static inline size_t shb_cluster_places(uint32_t vertex_count) {
+    return (vertex_count + SHB_CLUSTER_PADDING - 1) / SHB_CLUSTER_PADDING * SHB_CLUSTER_PADDING;
+}
+
+/* True if the clusters can be those of the mesh: it has as many vertices and triangles. */
+bool shb_clusters_fit(const shb_clusters *clusters, const shb_mesh *mesh);
+
+#endif

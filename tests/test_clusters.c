@@ -1,0 +1,259 @@
+#include "../src/cluster_cull.h"
+
+#include "allocator.h"
+#include "random.h"
+#include "shadowbias/shadowbias.h"
+#include "soup.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static shb_context *make_context(void) {
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    return context;
+}
+
+/* A grid of columns by rows quads over the unit square, its triangles in a random order. */
+typedef struct shuffled_grid {
+    float *positions;
+    uint32_t *indices;
+    shb_mesh mesh;
+} shuffled_grid;
+
+static shuffled_grid make_grid(uint32_t columns, uint32_t rows, test_random *random) {
+    const uint32_t triangles = 2 * columns * rows, across = columns + 1;
+    shuffled_grid grid = {calloc((size_t)across * (rows + 1) * 3, sizeof(float)),
+                          calloc((size_t)triangles * 3, sizeof(uint32_t)),
+                          {0}};
+    for (uint32_t i = 0; i < across * (rows + 1); i++) {
+        grid.positions[3 * i] = (float)(i % across) / (float)columns;
+        grid.positions[3 * i + 1] = (float)(i / across) / (float)rows;
+    }
+    for (uint32_t t = 0; t < triangles; t++) {
+        const uint32_t a = t / 2 / columns * across + t / 2 % columns, b = a + 1, c = a + across;
+        const uint32_t corners[2][3] = {{a, b, c + 1}, {a, c + 1, c}};
+        const uint32_t other = random ? random_below(random, t + 1) : t;
+        memcpy(grid.indices + 3 * t, grid.indices + 3 * other, 3 * sizeof *grid.indices);
+        memcpy(grid.indices + 3 * other, corners[t % 2], 3 * sizeof *grid.indices);
+    }
+    grid.mesh = (shb_mesh){.positions = grid.positions,
+                           .vertex_count = across * (rows + 1),
+                           .indices = grid.indices,
+                           .triangle_count = triangles};
+    return grid;
+}
+
+static void free_grid(shuffled_grid *grid) {
+    free(grid->positions);
+    free(grid->indices);
+}
+
+/* Every triangle of the mesh is in one cluster, by positions and in its own winding. */
+static void check_complete(const shb_mesh *mesh, const shb_clusters *clusters) {
+    uint8_t *found = calloc(mesh->triangle_count, 1);
+    bool right = true;
+    for (size_t i = 0; i < clusters->count; i++) {
+        const shb_cluster *cluster = &clusters->clusters[i];
+        const float *positions = clusters->positions + 3 * cluster->first_vertex;
+        const size_t places = shb_cluster_places(cluster->vertex_count);
+        for (uint32_t t = 0; t < cluster->triangle_count; t++) {
+            const uint32_t number = clusters->triangles[cluster->first_triangle + t];
+            found[number]++;
+            for (int k = 0; k < 3; k++) {
+                const uint32_t local = clusters->corners[cluster->first_triangle + t][k];
+                const uint32_t vertex =
+                    mesh->indices ? ((const uint32_t *)mesh->indices)[3 * number + (uint32_t)k]
+                                  : 3 * number + (uint32_t)k;
+                for (size_t axis = 0; axis < 3; axis++) {
+                    const float p = positions[axis * places + local];
+                    right &= memcmp(&p, &mesh->positions[3 * vertex + axis], sizeof p) == 0;
+                    right &= !(p < cluster->lo[axis]) && !(p > cluster->hi[axis]);
+                }
+            }
+        }
+    }
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        right &= found[i] == 1;
+    CHECK(right);
+    free(found);
+}
+
+/* 128 quads' triangles of a shuffled grid lie within a small part of it. */
+TEST(clusters_gather_neighbours_of_a_shuffled_mesh) {
+    test_random random = {31};
+    shuffled_grid grid = make_grid(64, 64, &random);
+    shb_context *context = make_context();
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
+    check_complete(&grid.mesh, clusters);
+    CHECK_INT(clusters->count, 64);
+    for (size_t i = 0; i < clusters->count; i++) {
+        const shb_cluster *cluster = &clusters->clusters[i];
+        CHECK_NEAR(cluster->hi[0] - cluster->lo[0], 1.0 / 8, 1e-6);
+        CHECK_NEAR(cluster->hi[1] - cluster->lo[1], 1.0 / 8, 1e-6);
+        CHECK_INT(cluster->vertex_count, 81);
+        CHECK_NEAR(fabsf(cluster->axis[2]), 1, 1e-6);
+        CHECK_NEAR(cluster->cosine, 1, 1e-6);
+        /* The height of the halves of a square of 1 / 64 over the diagonal. */
+        CHECK_NEAR(cluster->height, sqrt(0.5) / 64, 1e-6);
+    }
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
+    free_grid(&grid);
+}
+
+TEST(clusters_of_loose_triangles_have_vertices_that_a_byte_can_count) {
+    test_random random = {32};
+    soup s = {0};
+    for (int t = 0; t < 1000; t++) {
+        float p[9];
+        for (int i = 0; i < 9; i++)
+            p[i] = (float)random_double(&random, -1, 1);
+        if (t % 50 == 0)
+            p[random_below(&random, 9)] = t % 100 ? NAN : (float)HUGE_VAL;
+        soup_add(&s, p, p + 3, p + 6);
+    }
+    const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
+    shb_context *context = make_context();
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, mesh, &clusters), SHB_OK);
+    check_complete(mesh, clusters);
+    for (size_t i = 0; i < clusters->count; i++)
+        CHECK(clusters->clusters[i].vertex_count <= SHB_CLUSTER_VERTICES);
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
+TEST(a_mesh_without_triangles_has_no_clusters) {
+    shb_context *context = make_context();
+    const shb_mesh mesh = {0};
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, &mesh, &clusters), SHB_OK);
+    CHECK_INT(clusters->count, 0);
+    shb_clusters_destroy(clusters);
+    shb_clusters_destroy(NULL);
+    shb_context_destroy(context);
+}
+
+TEST(clusters_refuse_what_is_no_mesh) {
+    shb_context *context = make_context();
+    const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const uint32_t indices[3] = {0, 1, 3};
+    const shb_mesh fine = {.positions = positions, .vertex_count = 3, .triangle_count = 1};
+    shb_mesh mesh = fine;
+    shb_clusters *const untouched = (shb_clusters *)(uintptr_t)64;
+    shb_clusters *clusters = untouched;
+    CHECK_INT(shb_clusters_create(NULL, &mesh, &clusters), SHB_ERROR_ARGUMENT);
+    CHECK_INT(shb_clusters_create(context, NULL, &clusters), SHB_ERROR_ARGUMENT);
+    CHECK_INT(shb_clusters_create(context, &mesh, NULL), SHB_ERROR_ARGUMENT);
+    mesh.indices = indices;
+    CHECK_INT(shb_clusters_create(context, &mesh, &clusters), SHB_ERROR_ARGUMENT);
+    mesh = fine;
+    mesh.vertex_count = 2;
+    CHECK_INT(shb_clusters_create(context, &mesh, &clusters), SHB_ERROR_ARGUMENT);
+    mesh = fine;
+    mesh.positions = NULL;
+    CHECK_INT(shb_clusters_create(context, &mesh, &clusters), SHB_ERROR_ARGUMENT);
+    mesh = (shb_mesh){.positions = positions,
+                      .vertex_count = 3,
+                      .indices = indices,
+                      .triangle_count = UINT32_MAX};
+    CHECK_INT(shb_clusters_create(context, &mesh, &clusters), SHB_ERROR_SIZE);
+    CHECK(clusters == untouched);
+    shb_context_destroy(context);
+}
+
+TEST(clusters_of_another_mesh_are_refused) {
+    shb_context *context = make_context();
+    shuffled_grid grid = make_grid(4, 4, NULL);
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
+    shb_mesh mesh = grid.mesh;
+    mesh.clusters = clusters;
+    const shb_instance instance = {.mesh = &mesh};
+    const shb_scene scene = {&instance, 1};
+    CHECK_INT(shb_scene_validate(&scene), SHB_OK);
+    mesh.triangle_count--;
+    CHECK_INT(shb_scene_validate(&scene), SHB_ERROR_ARGUMENT);
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
+    free_grid(&grid);
+}
+
+TEST(clusters_fail_cleanly_wherever_memory_is_out) {
+    test_allocator state = {0};
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(&(shb_context_desc){.allocator = test_allocator_hooks(&state)},
+                                 &context),
+              SHB_OK);
+    test_random random = {33};
+    shuffled_grid grid = make_grid(32, 32, &random);
+    const size_t live = state.live;
+    shb_clusters *clusters = NULL;
+    shb_result result = SHB_ERROR_MEMORY;
+    size_t fail_at = 0;
+    while (result == SHB_ERROR_MEMORY) {
+        state.fail_at = state.calls + ++fail_at;
+        result = shb_clusters_create(context, &grid.mesh, &clusters);
+        CHECK(result == SHB_OK || (state.live == live && !clusters));
+    }
+    CHECK_INT(result, SHB_OK);
+    CHECK(fail_at > 6);
+    state.fail_at = 0;
+    shb_clusters_destroy(clusters);
+    CHECK_INT(state.live, live);
+    shb_context_destroy(context);
+    free_grid(&grid);
+}
+
+/* Drawing with clusters, both tiles and coded triangles, where memory runs out. */
+static bool draw_without_memory(const shb_scene *scene, const shb_view *view, size_t fail_at) {
+    test_allocator state = {0};
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(&(shb_context_desc){.allocator = test_allocator_hooks(&state)},
+                                 &context),
+              SHB_OK);
+    static float depth[64 * 64];
+    for (int i = 0; i < 64 * 64; i++)
+        depth[i] = 7;
+    const shb_draw_desc desc = {.view = view,
+                                .scene = scene,
+                                .width = 64,
+                                .height = 64,
+                                .depth = {.texels = depth},
+                                .tile_size = 16};
+    state.fail_at = state.calls + fail_at;
+    const shb_result result = shb_draw(context, &desc, NULL);
+    CHECK(result == SHB_OK || result == SHB_ERROR_MEMORY);
+    for (int i = 0; i < 64 * 64; i++)
+        if (result && depth[i] != 7)
+            CHECK(false);
+    shb_context_destroy(context);
+    CHECK_INT(state.live, 0);
+    return result == SHB_OK;
+}
+
+TEST(drawing_clusters_fails_cleanly_wherever_memory_is_out) {
+    shb_context *context = make_context();
+    shuffled_grid grid = make_grid(16, 16, NULL);
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
+    grid.mesh.clusters = clusters;
+    const shb_instance instance = {.mesh = &grid.mesh};
+    const shb_scene scene = {&instance, 1};
+    shb_view view = {0};
+    CHECK_INT(shb_view_perspective((shb_vec3){0.5, 0.5, 0.05}, (shb_vec3){1, 1, 0},
+                                   (shb_vec3){0, 0, 1}, 1, 1, 0.01, 9, false, &view),
+              SHB_OK);
+    size_t fail_at = 1;
+    while (!draw_without_memory(&scene, &view, fail_at))
+        fail_at++;
+    CHECK(fail_at > 8);
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
+    free_grid(&grid);
+}
