@@ -8,8 +8,9 @@
 #include <string.h>
 
 /* Random uses of the library, sound and absurd ones. Whatever a host hands over, there is an answer
- * or an error with a sentence; scalar code on one thread and kernels on three say the same, to the
- * bit; nothing leaks, also where memory ends at any allocation. SHB_RANDOM_USES sets their number.
+ * or an error with a sentence; scalar code on one thread and kernels on three, with clusters, say
+ * the same, to the bit; nothing leaks, also where memory ends at any allocation. SHB_RANDOM_USES
+ * sets their number.
  */
 
 enum { VERTICES = 300, TRIANGLES = 600, POINTS = 400, INSTANCES = 3, USES = 250 };
@@ -162,7 +163,7 @@ static void count_sentences(void *user, shb_result result, const char *sentence)
 }
 
 /* fail_at: the allocation that fails, or 0. Returns the number of allocations. */
-static size_t run(const usage *use, bool scalar, size_t fail_at, outcome *out) {
+static size_t run(usage *use, bool scalar, size_t fail_at, outcome *out) {
     test_allocator allocator = {.fail_at = fail_at};
     int sentences = 0;
     const shb_context_desc desc = {.allocator = test_allocator_hooks(&allocator),
@@ -171,11 +172,15 @@ static size_t run(const usage *use, bool scalar, size_t fail_at, outcome *out) {
                                    .log = count_sentences,
                                    .log_user = &sentences};
     shb_context *context = NULL;
+    shb_clusters *clusters = NULL;
     shb_map *map = NULL;
     memset(out, 0, sizeof *out);
     for (int i = 0; i < POINTS; i++)
         out->visibility[i] = untouched;
     out->result = shb_context_create(&desc, &context);
+    if (!out->result && !scalar)
+        CHECK_INT(shb_clusters_create(context, &use->mesh, &clusters), SHB_OK);
+    use->mesh.clusters = clusters;
     if (!out->result) {
         out->call = 1;
         out->result = shb_map_create(context, &use->map, &map);
@@ -184,6 +189,7 @@ static size_t run(const usage *use, bool scalar, size_t fail_at, outcome *out) {
         CHECK((out->result != SHB_OK) == (sentences > 0));
     }
     shb_map_destroy(map);
+    shb_clusters_destroy(clusters);
     shb_context_destroy(context);
     CHECK_INT(allocator.live, 0);
     return allocator.calls;
