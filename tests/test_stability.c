@@ -271,6 +271,20 @@ TEST(boxes_are_judged_by_the_mean_error_of_lit_fragments) {
     shb_context_destroy(context);
 }
 
+/* A relief finer than a texel, and a surface whose planes all shadow each other: each is one sheet,
+ * all of it in the light. */
+TEST(exact_taps_by_triangles_leave_a_sheet_in_its_own_light) {
+    static const char *const names[] = {"relief-0.25", "relief-2", "saddle", "stair-sheet-600"};
+    shb_context *context = create_context();
+    for (int i = 0; i < 4; i++) {
+        const box_row planes = box_row_of(context, names[i], "exact-planes", 5);
+        const box_row triangles = box_row_of(context, names[i], "exact-triangles", 5);
+        CHECK(triangles.lit > 1000 && planes.lit_error > 1e4);
+        CHECK(triangles.lit_error < 100);
+    }
+    shb_context_destroy(context);
+}
+
 /* Larger boxes leave less that is far from silhouettes. */
 TEST(boxes_are_judged_where_no_silhouette_is_in_them) {
     shb_context *context = create_context();

@@ -1,9 +1,11 @@
 /* The exact method in taps: a tap is shadowed if its sample lies in front of the fragment's plane
  * at the texel's centre, and the sample's plane in front of the fragment at the fragment's own
- * place (shb_exact_is_shadowed). The bounds are those of light_point.h, put so that they are taken
+ * place (shb_exact_is_shadowed); and, where the map keeps triangles, its sheet does not go on to be
+ * the fragment's own. The bounds are those of light_point.h, put so that they are taken
  * once for a fragment and all its taps; where that makes them larger, taps are lit. */
 
 #include "../exact.h"
+#include "../exact_walk.h"
 #include "../half.h"
 #include "../occluders.h"
 
@@ -60,6 +62,20 @@ static bool passes_in_front(const mutual_fragment *f, double to_x, double to_y, 
     return f->z - (depth - (slope_x * to_x + slope_y * to_y)) > error;
 }
 
+/* A sample whose sheet goes on to the fragment's own place, and is the fragment's surface there:
+ * the light sees the sheet at both places, whatever their planes say of each other. */
+static bool is_of_own_sheet(const shb_map *map, const mutual_fragment *f, uint32_t triangle,
+                            int32_t x, int32_t y) {
+    const double center[2] = {x + 0.5, y + 0.5}, at[2] = {f->x, f->y};
+    const uint32_t arrived = shb_exact_walk(&map->occluders.mesh, triangle, center, at);
+    if (arrived == SHB_ID_NONE)
+        return false;
+    const shb_occluder_plane *plane = &map->occluders.planes[arrived];
+    const double error =
+        f->base + fabs(plane->slope_x) * f->per_x + fabs(plane->slope_y) * f->per_y + plane->error;
+    return fabs(f->z - shb_occluder_depth(plane, f->x, f->y)) <= error;
+}
+
 /* What the tap of a texel in the map is compared with: NaN where the texel does not shadow the
  * fragment whatever its depth is. tap: the fragment's plane there. */
 static float mutual_tap(const shb_map *map, const mutual_fragment *f, int32_t x, int32_t y,
@@ -76,7 +92,8 @@ static float mutual_tap(const shb_map *map, const mutual_fragment *f, int32_t x,
             f->error + (f->slope_error_x * fabs(to_x) + f->slope_error_y * fabs(to_y));
         const bool shadowed =
             own - depth > own_error &&
-            passes_in_front(f, to_x, to_y, depth, plane->slope_x, plane->slope_y, 0, 0);
+            passes_in_front(f, to_x, to_y, depth, plane->slope_x, plane->slope_y, 0, 0) &&
+            !is_of_own_sheet(map, f, texel, x, y);
         return shadowed ? INFINITY : NAN;
     }
     const double unit = map->occluders.slope_unit, smallest = SHB_HALF_ABSOLUTE * unit;
