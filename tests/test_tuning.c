@@ -19,7 +19,7 @@ static void open_setting(setting *s) {
     owned_mesh mesh = {0};
     shape_quad(&mesh, (shb_vec3){-1, -rise, 1}, (shb_vec3){1, rise, 1}, (shb_vec3){1, rise, -1},
                (shb_vec3){-1, -rise, -1});
-    overhead_open(&s->scene, &mesh, MAP_SIZE);
+    overhead_open(&s->scene, &mesh, NULL, MAP_SIZE);
     CHECK_INT(shb_map_create(s->scene.context, &s->scene.map, &s->map), SHB_OK);
     CHECK_INT(shb_map_draw(s->map, &s->scene.scene->scene, NULL, NULL), SHB_OK);
     CHECK_INT(measure_truth_create(&s->scene.frame, s->map, &s->truth), SHB_OK);

@@ -6,17 +6,20 @@
 
 enum { WIDTH = 160, HEIGHT = 120 };
 
-void overhead_open(overhead *o, owned_mesh *mesh, uint32_t map_size) {
+static void take_mesh(example_scene *scene, owned_mesh *mesh) {
     const scene_surface white = {.color = {1, 1, 1}};
-    *o = (overhead){.scene = calloc(1, sizeof *o->scene), .map = {.width = map_size}};
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 2}, &o->context), SHB_OK);
-    owned_mesh *kept = scene_add_mesh(o->scene);
+    owned_mesh *kept = scene_add_mesh(scene);
     *kept = *mesh;
     *mesh = (owned_mesh){0};
-    o->scene->views[0] = owned_mesh_view(kept);
-    scene_add_instance(o->scene, kept, NULL, SHB_CULL_NONE, &white);
-    o->scene->scene.instances = o->scene->instances;
-    o->scene->triangle_count = shb_scene_triangle_count(&o->scene->scene);
+    scene->views[kept - scene->meshes] = owned_mesh_view(kept);
+    scene_add_instance(scene, kept, NULL, SHB_CULL_NONE, &white);
+    scene->scene.instances = scene->instances;
+}
+
+void overhead_open(overhead *o, owned_mesh *seen, owned_mesh *unseen, uint32_t map_size) {
+    *o = (overhead){.scene = calloc(1, sizeof *o->scene), .map = {.width = map_size}};
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 2}, &o->context), SHB_OK);
+    take_mesh(o->scene, seen);
     CHECK_INT(shb_scene_bounds(&o->scene->scene, &o->scene->bounds), SHB_OK);
     o->scene->camera.vertical_angle = 0.27;
     scene_move_camera(o->scene, (shb_vec3){0.31, 7, 0.17}, (shb_vec3){0.013, 0, 0.007});
@@ -24,11 +27,15 @@ void overhead_open(overhead *o, owned_mesh *mesh, uint32_t map_size) {
                                     1, 1, 2, 2 + OVERHEAD_RANGE, false, &o->map.view),
               SHB_OK);
     CHECK_INT(measure_frame_create(o->context, o->scene, WIDTH, HEIGHT, &o->frame), SHB_OK);
+    if (unseen)
+        take_mesh(o->scene, unseen);
+    o->scene->triangle_count = shb_scene_triangle_count(&o->scene->scene);
 }
 
 void overhead_close(overhead *o) {
     measure_frame_destroy(&o->frame);
-    owned_mesh_free(&o->scene->meshes[0]);
+    for (size_t i = 0; i < o->scene->mesh_count; i++)
+        owned_mesh_free(&o->scene->meshes[i]);
     free(o->scene);
     shb_context_destroy(o->context);
 }

@@ -15,8 +15,9 @@ typedef struct overhead {
     shb_map_desc map;
 } overhead;
 
-/* Takes the mesh; its floats are to be exact where that matters. */
-void overhead_open(overhead *o, owned_mesh *mesh, uint32_t map_size);
+/* Takes the meshes. The camera looks through what is unseen, which casts shadows all the same;
+ * NULL: nothing is. */
+void overhead_open(overhead *o, owned_mesh *seen, owned_mesh *unseen, uint32_t map_size);
 void overhead_close(overhead *o);
 
 /* The width of a texel in world units. */
