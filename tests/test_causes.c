@@ -2,6 +2,7 @@
  * straight down on 64 x 64 texels, so that texels begin at multiples of 1/32. */
 #include "causes.h"
 
+#include "cause_picture.h"
 #include "light_space.h"
 #include "overhead.h"
 #include "shapes.h"
@@ -225,4 +226,43 @@ TEST(light_space_has_rows_downwards_and_planes_of_depth) {
     CHECK_NEAR(plane.per_y, -2 * texel / 4, 1e-15);
     CHECK_NEAR(light_plane_at(&plane, 32, 32), 0.5, 1e-12);
     overhead_close(&o);
+}
+
+static double luminance(const uint8_t color[3]) {
+    return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
+}
+
+/* The largest difference of light over a patch. */
+static double difference(cause a, cause b) {
+    double largest = 0;
+    for (uint32_t y = 0; y < 4; y++)
+        for (uint32_t x = 0; x < 4; x++) {
+            uint8_t first[3], second[3];
+            cause_picture_color(a, x, y, first);
+            cause_picture_color(b, x, y, second);
+            largest = fmax(largest, fabs(luminance(first) - luminance(second)));
+        }
+    return largest;
+}
+
+TEST(pictures_of_causes_differ_without_colour) {
+    for (int a = CAUSE_NONE + 1; a < CAUSES; a++)
+        for (int b = a + 1; b < CAUSES; b++)
+            CHECK(difference((cause)a, (cause)b) > 30);
+}
+
+TEST(pictures_of_causes_show_the_truth_where_all_is_right) {
+    uint32_t pixels[3] = {0, 2, 3};
+    const measure_frame frame = {
+        .frame = {.width = 4, .height = 1}, .fragment_count = 3, .pixels = pixels};
+    const uint8_t truth[4] = {SHB_TRUTH_LIT, SHB_TRUTH_NONE, SHB_TRUTH_SHADOWED, SHB_TRUTH_LIT};
+    const uint8_t causes[3] = {CAUSE_NONE, CAUSE_NONE, CAUSE_BIAS};
+    uint8_t painted[12], bias[3];
+    cause_picture_paint(&frame, truth, causes, painted);
+    cause_picture_color(CAUSE_BIAS, 3, 0, bias);
+    CHECK(painted[3] > painted[0] && painted[0] > painted[6]);
+    for (int k = 0; k < 3; k++) {
+        CHECK(painted[k] == painted[0] && painted[6 + k] == painted[6]);
+        CHECK_INT(painted[9 + k], bias[k]);
+    }
 }

@@ -1,5 +1,6 @@
 #include "study.h"
 
+#include "study_causes.h"
 #include "study_papers.h"
 #include "study_tuner.h"
 #include "text_file.h"
@@ -10,7 +11,8 @@
 
 enum { PATH_LENGTH = 512 };
 
-static const report_study *const studies[] = {&report_study_tuner, &report_study_papers};
+static const report_study *const studies[] = {&report_study_causes, &report_study_tuner,
+                                              &report_study_papers};
 enum { STUDIES = sizeof studies / sizeof *studies };
 
 static bool name_file(char path[PATH_LENGTH], const char *directory, const report_study *study,
