@@ -193,7 +193,8 @@ static bool write_legend(FILE *section) {
         "from top to bottom. The tests ask the truth and the map again with one thing changed. "
         "Grey is what is right, lighter where it is lit.</p>\n"
         "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Causes\">\n<table "
-        "class=\"plain\">\n<thead><tr><th class=\"text\" scope=\"col\">cause</th><th "
+        "class=\"plain\">\n<caption>The causes and their tests</caption><thead><tr><th "
+        "class=\"text\" scope=\"col\">cause</th><th "
         "class=\"text\" scope=\"col\">false shadow if</th><th class=\"text\" scope=\"col\">false "
         "light if</th></tr></thead>\n<tbody>\n");
     for (size_t k = 0; k < TESTS && done; k++) {
