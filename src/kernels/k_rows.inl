@@ -17,14 +17,8 @@ static inline __attribute__((always_inline)) void
 W(merge)(const shb_tile *tile, int layers, ptrdiff_t at, W(wi) edges, W(wf) z, W(wi) id) {
     const W(wf) nearest = W(wf_load)(tile->depth + at);
     W(wf_store)(tile->depth + at, W(wf_min_inside)(edges, z, nearest));
-    if (layers & LAYER_IDS) {
-        uint32_t *ids = tile->ids + at;
-        const W(wi) old = W(wi_load)(ids);
-        const W(wm) inside = W(wm_inside)(edges);
-        const W(wm) wins =
-            W(wm_or)(W(wm_less)(inside, z, nearest), W(wm_equal_less)(inside, z, nearest, id, old));
-        W(wi_store)(ids, W(wi_select)(wins, id, old));
-    }
+    if (layers & LAYER_IDS)
+        W(wi_store_closer)(tile->ids + at, edges, z, nearest, id);
     if (layers & LAYER_SECOND) {
         const W(wf) second = W(wf_load)(tile->second + at);
         const W(wf) loser = W(wf_max)(nearest, z);

@@ -5,17 +5,13 @@
  * The wide types are what a kernel may ask of an instruction set. Each wide_*.h defines the
  * following for its number of lanes, which ends every name (wf_add8); k_*.inl write W(wf_add).
  *
- *   wf, wi, wm            floats, 32-bit integers, a mask of lanes
+ *   wf, wi                floats, 32-bit integers
  *   wf_splat, wi_splat    the same number in every lane
  *   wf_lanes, wi_lanes    0, 1, 2, ...
  *   wf_load, wf_store, wi_load, wi_store    from and to any address
  *   wf_add, wf_mul, wi_add, wi_mul, wi_or
- *   wi_select(m, a, b)                      m ? a : b
  *   wf_min_inside(edges, z, q)              edges >= 0 && z < q ? z : q
- *   wm_inside(edges)                        edges >= 0
- *   wm_less(m, a, b)                        m && a < b
- *   wm_equal_less(m, a, b, c, d)            m && a == b && c < d
- *   wm_or(a, b)
+ *   wi_store_closer(ids, edges, z, q, id)   id where edges >= 0 and (z, id) is below (q, the old one)
  *   wf_plane(base, step, column, lo, hi)    base + step * (column + lane) in double, lo where it is
  *                                           below, hi where it is above, rounded to float
  *   wf_min, wf_max(a, b)                    a < b ? a : b, a > b ? a : b: b if one is NaN

@@ -4,7 +4,6 @@
 
 typedef __m256 wf8;
 typedef __m256i wi8;
-typedef __m256i wm8;
 
 static inline wf8 wf_splat8(float v) {
     return _mm256_set1_ps(v);
@@ -55,21 +54,14 @@ static inline wf8 wf_min_inside8(wi8 edges, wf8 z, wf8 q) {
     const __m256i outside = _mm256_srai_epi32(edges, 31);
     return _mm256_min_ps(_mm256_or_ps(z, _mm256_castsi256_ps(outside)), q);
 }
-static inline wm8 wm_inside8(wi8 edges) {
-    return _mm256_cmpgt_epi32(edges, _mm256_set1_epi32(-1));
-}
-static inline wm8 wm_less8(wm8 m, wf8 a, wf8 b) {
-    return _mm256_and_si256(m, _mm256_castps_si256(_mm256_cmp_ps(a, b, _CMP_LT_OQ)));
-}
-static inline wm8 wm_or8(wm8 a, wm8 b) {
-    return _mm256_or_si256(a, b);
-}
-static inline wm8 wm_equal_less8(wm8 m, wf8 a, wf8 b, wi8 c, wi8 d) {
-    const __m256i equal = _mm256_castps_si256(_mm256_cmp_ps(a, b, _CMP_EQ_OQ));
-    return _mm256_and_si256(_mm256_and_si256(m, equal), _mm256_cmpgt_epi32(d, c));
-}
-static inline wi8 wi_select8(wm8 m, wi8 a, wi8 b) {
-    return _mm256_blendv_epi8(b, a, m);
+static inline void wi_store_closer8(uint32_t *ids, wi8 edges, wf8 z, wf8 q, wi8 id) {
+    const __m256i old = wi_load8(ids);
+    const __m256i closer = _mm256_castps_si256(_mm256_cmp_ps(z, q, _CMP_LT_OQ));
+    const __m256i equal = _mm256_castps_si256(_mm256_cmp_ps(z, q, _CMP_EQ_OQ));
+    const __m256i lower = _mm256_and_si256(equal, _mm256_cmpgt_epi32(old, id));
+    const __m256i outside = _mm256_srai_epi32(edges, 31);
+    const __m256i wins = _mm256_andnot_si256(outside, _mm256_or_si256(closer, lower));
+    wi_store8(ids, _mm256_blendv_epi8(old, id, wins));
 }
 static inline wi8 wi_count_less8(wi8 count, wf8 a, wf8 b) {
     return _mm256_sub_epi32(count, _mm256_castps_si256(_mm256_cmp_ps(a, b, _CMP_LT_OQ)));

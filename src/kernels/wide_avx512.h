@@ -4,7 +4,6 @@
 
 typedef __m512 wf16;
 typedef __m512i wi16;
-typedef __mmask16 wm16;
 
 static inline wf16 wf_splat16(float v) {
     return _mm512_set1_ps(v);
@@ -55,21 +54,14 @@ static inline wf16 wf_min_inside16(wi16 edges, wf16 z, wf16 q) {
     const __mmask16 inside = _knot_mask16(_mm512_movepi32_mask(edges));
     return _mm512_mask_min_ps(q, inside, z, q);
 }
-static inline wm16 wm_inside16(wi16 edges) {
-    return _knot_mask16(_mm512_movepi32_mask(edges));
-}
-static inline wm16 wm_less16(wm16 m, wf16 a, wf16 b) {
-    return _mm512_mask_cmp_ps_mask(m, a, b, _CMP_LT_OQ);
-}
-static inline wm16 wm_or16(wm16 a, wm16 b) {
-    return _kor_mask16(a, b);
-}
-static inline wm16 wm_equal_less16(wm16 m, wf16 a, wf16 b, wi16 c, wi16 d) {
-    const __mmask16 equal = _mm512_mask_cmp_ps_mask(m, a, b, _CMP_EQ_OQ);
-    return _mm512_mask_cmplt_epi32_mask(equal, c, d);
-}
-static inline wi16 wi_select16(wm16 m, wi16 a, wi16 b) {
-    return _mm512_mask_blend_epi32(m, b, a);
+/* Equal depths are rare: only they need the old ids. */
+static inline void wi_store_closer16(uint32_t *ids, wi16 edges, wf16 z, wf16 q, wi16 id) {
+    const __mmask16 inside = _knot_mask16(_mm512_movepi32_mask(edges));
+    const __mmask16 equal = _mm512_mask_cmp_ps_mask(inside, z, q, _CMP_EQ_OQ);
+    __mmask16 wins = _mm512_mask_cmp_ps_mask(inside, z, q, _CMP_LT_OQ);
+    if (__builtin_expect(equal != 0, 0))
+        wins = _kor_mask16(wins, _mm512_mask_cmplt_epi32_mask(equal, id, wi_load16(ids)));
+    _mm512_mask_storeu_epi32(ids, wins, id);
 }
 static inline wi16 wi_count_less16(wi16 count, wf16 a, wf16 b) {
     const __mmask16 less = _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);

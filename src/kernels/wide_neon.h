@@ -4,7 +4,6 @@
 
 typedef float32x4_t wf4;
 typedef int32x4_t wi4;
-typedef uint32x4_t wm4;
 
 static inline wf4 wf_splat4(float v) {
     return vdupq_n_f32(v);
@@ -52,23 +51,14 @@ static inline wi4 wi_mul4(wi4 a, wi4 b) {
 static inline wi4 wi_or4(wi4 a, wi4 b) {
     return vorrq_s32(a, b);
 }
-static inline wm4 wm_inside4(wi4 edges) {
-    return vcgezq_s32(edges);
-}
-static inline wm4 wm_less4(wm4 m, wf4 a, wf4 b) {
-    return vandq_u32(m, vcltq_f32(a, b));
-}
-static inline wm4 wm_or4(wm4 a, wm4 b) {
-    return vorrq_u32(a, b);
-}
-static inline wm4 wm_equal_less4(wm4 m, wf4 a, wf4 b, wi4 c, wi4 d) {
-    return vandq_u32(vandq_u32(m, vceqq_f32(a, b)), vcltq_s32(c, d));
-}
-static inline wi4 wi_select4(wm4 m, wi4 a, wi4 b) {
-    return vbslq_s32(m, a, b);
-}
 static inline wf4 wf_min_inside4(wi4 edges, wf4 z, wf4 q) {
-    return vbslq_f32(wm_less4(wm_inside4(edges), z, q), z, q);
+    return vbslq_f32(vandq_u32(vcgezq_s32(edges), vcltq_f32(z, q)), z, q);
+}
+static inline void wi_store_closer4(uint32_t *ids, wi4 edges, wf4 z, wf4 q, wi4 id) {
+    const int32x4_t old = wi_load4(ids);
+    const uint32x4_t lower = vandq_u32(vceqq_f32(z, q), vcltq_s32(id, old));
+    const uint32x4_t wins = vandq_u32(vcgezq_s32(edges), vorrq_u32(vcltq_f32(z, q), lower));
+    wi_store4(ids, vbslq_s32(wins, id, old));
 }
 
 static inline wi4 wi_count_less4(wi4 count, wf4 a, wf4 b) {

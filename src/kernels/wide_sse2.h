@@ -4,7 +4,6 @@
 
 typedef __m128 wf4;
 typedef __m128i wi4;
-typedef __m128i wm4;
 
 static inline wf4 wf_splat4(float v) {
     return _mm_set1_ps(v);
@@ -58,21 +57,14 @@ static inline wf4 wf_min_inside4(wi4 edges, wf4 z, wf4 q) {
     const __m128i outside = _mm_srai_epi32(edges, 31);
     return _mm_min_ps(_mm_or_ps(z, _mm_castsi128_ps(outside)), q);
 }
-static inline wm4 wm_inside4(wi4 edges) {
-    return _mm_cmpgt_epi32(edges, _mm_set1_epi32(-1));
-}
-static inline wm4 wm_less4(wm4 m, wf4 a, wf4 b) {
-    return _mm_and_si128(m, _mm_castps_si128(_mm_cmplt_ps(a, b)));
-}
-static inline wm4 wm_or4(wm4 a, wm4 b) {
-    return _mm_or_si128(a, b);
-}
-static inline wm4 wm_equal_less4(wm4 m, wf4 a, wf4 b, wi4 c, wi4 d) {
-    const __m128i equal = _mm_castps_si128(_mm_cmpeq_ps(a, b));
-    return _mm_and_si128(_mm_and_si128(m, equal), _mm_cmplt_epi32(c, d));
-}
-static inline wi4 wi_select4(wm4 m, wi4 a, wi4 b) {
-    return _mm_or_si128(_mm_and_si128(m, a), _mm_andnot_si128(m, b));
+static inline void wi_store_closer4(uint32_t *ids, wi4 edges, wf4 z, wf4 q, wi4 id) {
+    const __m128i old = wi_load4(ids);
+    const __m128i closer = _mm_castps_si128(_mm_cmplt_ps(z, q));
+    const __m128i equal = _mm_castps_si128(_mm_cmpeq_ps(z, q));
+    const __m128i lower = _mm_and_si128(equal, _mm_cmplt_epi32(id, old));
+    const __m128i outside = _mm_srai_epi32(edges, 31);
+    const __m128i wins = _mm_andnot_si128(outside, _mm_or_si128(closer, lower));
+    wi_store4(ids, _mm_or_si128(_mm_and_si128(wins, id), _mm_andnot_si128(wins, old)));
 }
 static inline wi4 wi_count_less4(wi4 count, wf4 a, wf4 b) {
     return _mm_sub_epi32(count, _mm_castps_si128(_mm_cmplt_ps(a, b)));
