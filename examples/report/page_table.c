@@ -144,6 +144,8 @@ static void write_row(FILE *stream, const report_rows *rows, const report_row *r
         const double value = columns[k].value_of(row);
         if (columns[k].value_of == map_size)
             snprintf(text, sizeof text, "%u", (unsigned)row->map_size);
+        else if (columns[k].soft)
+            snprintf(text, sizeof text, "%.3f", value);
         else
             report_format_number(text, sizeof text, value);
         if (columns[k].soft && hard)
