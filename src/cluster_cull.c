@@ -10,7 +10,7 @@
 
 /* Errors of a window coordinate, in pixels: of those computed, and of those snapped. */
 #define WINDOW_DOUBT 0x1p-12
-#define SNAP_DOUBT (1 / 400.0)
+#define SNAP_DOUBT (0x1p-9 + 0x1.2p-12)
 
 /* Far below SHB_CLIP_MAX. */
 #define CLIP_SURE 0x1p290
@@ -210,7 +210,7 @@ static bool faces_away(const shb_cluster_view *view, const shb_cluster *cluster,
     const double h = (double)cluster->height, d = SNAP_DOUBT;
     const double area = view->target->half_width * view->target->half_height;
     const double cube = largest_w * largest_w * largest_w;
-    return h * area * c > (6 * d * pixels_a_unit + 8 * d * d / h) * cube;
+    return h * area * c > (4.25 * d * pixels_a_unit + 8 * d * d / h) * cube;
 }
 
 /* Depths at samples may leave the range of the corners: gradients of at most 16 ranges a pixel,

@@ -13,20 +13,23 @@
  * 1)
  * * half_width is computed with an error below half_width (E_x + r E_w) / w + 2^-30, r the largest
  * |x / w|, E the clip coordinates' errors. If that exceeds 2^-12 pixels the cluster is only given
- * to the kernels as it is. Snapping adds 2^-9: all in all a corner lies within D = 1 / 400 pixel of
- * where it should.
+ * to the kernels as it is. Snapping adds 2^-9: all in all a corner lies within D = 2^-9 + 1.125 *
+ * 2^-12 pixels of where it should.
  *
  * Facing. The window area (doubled) of a triangle is A = -half_width half_height F / (w0 w1 w2), F
  * = N . e - e_w (N . P0), N the normal (its length is twice the area), P0 a corner, (e, e_w) the
  * null vector of the matrix's rows x, y and w: the eye. Let L be the longest edge, h the height
- * over it, |N| = h L. With corners off by D the area is off by at most 2 D (|dx1| + |dy1| + |dx2| +
- * |dy2|) + 8 D^2 <= 4 sqrt2 D g L + 8 D^2, g pixels a unit of the mesh. So the snapped area has the
- * sign of A if h half_width half_height c / w^3 > 6 D g + 8 D^2 / h (1) where |F| >= |N| c, h is
- * the least one of the cluster (h <= L), and w the largest. c: with v = e - e_w P all normals of
- * the cone have n . v <= (a . v) cos + |v x a| sin where a . v < 0, a the axis, cos and sin those
- * of half the opening. From the box's centre to P, v changes by at most |e_w| R, R half the
- * diagonal. Normals, axis and cosine are right to 2^-17 |v|, and e and e_w to 2^-50 of the sum of
- * sizes of their products. */
+ * over it, |N| = h L, and g pixels a unit of the mesh. A corner that moves by D on both axes
+ * changes A by D (|dx| + |dy|) <= sqrt2 D g L, dx and dy those of the edge opposite; three corners
+ * by less than 4.25 D g L, and terms of second order by at most 8 D^2. So the snapped area has the
+ * sign of A if, with |F| >= |N| c, h the least one of the cluster (h <= L) and w the largest,
+ *
+ *     h half_width half_height c / w^3 > 4.25 D g + 8 D^2 / h                               (1)
+ *
+ * c: with v = e - e_w P all normals of the cone have n . v <= (a . v) cos + |v x a| sin where a . v
+ * < 0, a the axis, cos and sin those of half the opening. From the box's centre to P, v changes by
+ * at most |e_w| R, R half the diagonal. Normals, axis and cosine are right to 2^-17 |v|, and e and
+ * e_w to 2^-50 of the sum of sizes of their products. */
 #ifndef SRC_CLUSTER_CULL_H
 #define SRC_CLUSTER_CULL_H
 

@@ -30,12 +30,13 @@ static bool is_finite(const float *p) {
 }
 
 static void grow(shb_box *box, const float *p) {
-    box->lo.x = fmin(box->lo.x, (double)p[0]);
-    box->lo.y = fmin(box->lo.y, (double)p[1]);
-    box->lo.z = fmin(box->lo.z, (double)p[2]);
-    box->hi.x = fmax(box->hi.x, (double)p[0]);
-    box->hi.y = fmax(box->hi.y, (double)p[1]);
-    box->hi.z = fmax(box->hi.z, (double)p[2]);
+    const double x = (double)p[0], y = (double)p[1], z = (double)p[2];
+    box->lo.x = x < box->lo.x ? x : box->lo.x;
+    box->lo.y = y < box->lo.y ? y : box->lo.y;
+    box->lo.z = z < box->lo.z ? z : box->lo.z;
+    box->hi.x = x > box->hi.x ? x : box->hi.x;
+    box->hi.y = y > box->hi.y ? y : box->hi.y;
+    box->hi.z = z > box->hi.z ? z : box->hi.z;
 }
 
 static void grow_by_triangle(const shb_mesh *mesh, uint32_t triangle, shb_box *box) {

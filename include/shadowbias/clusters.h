@@ -15,8 +15,8 @@ extern "C" {
 #endif
 
 /* Prepares a mesh. What is drawn does not change in a single bit, ids and statistics included. The
- * mesh is read now, which takes some 0.1 to 0.2 us a triangle; the clusters take some 20 bytes a
- * triangle, 60 if no triangles share vertices. Hand them to drawing in the field clusters of this
+ * mesh is read now, which takes some 0.3 to 0.5 us a triangle; the clusters take some 20 bytes a
+ * triangle, 50 if no triangles share vertices. Hand them to drawing in the field clusters of this
  * mesh or of a copy of it: positions and indices must stay the same as long as they are used, or
  * what is drawn is a mixture. mesh.clusters itself is ignored here. Errors: SHB_ERROR_ARGUMENT (a
  * mesh that breaks the rules of scene.h, an index out of range), SHB_ERROR_SIZE, SHB_ERROR_MEMORY;
