@@ -2,7 +2,11 @@
  * at the same time: where the light sees them, their cells, the entries of these that begin in
  * front of them, the triangles of those. Where the bounds of rounding leave a triangle in doubt,
  * because the ray passes an edge, the point lies on the triangle or the light sees it edge-on, the
- * reference's own test of the ray decides. */
+ * reference's own test of the ray decides.
+ *
+ * Before, each point went through its cell's entries by itself, front to back up to the first that
+ * begins behind it. Runs, steps without branches and depths by cell instead of by triangle took the
+ * time to 0.8 of that among small triangles and 0.6 to 0.7 among large ones. */
 #include "strict.h"
 
 #include "lists.h"

@@ -6,7 +6,8 @@
 #include "lists_scratch.h"
 
 /* A tile has at least this many cells for each of its triangles, as long as it has fewer than
- * texels. */
+ * texels. With a quarter of them lists of 69 thousand triangles in a map of 1024 are built in 0.8
+ * of the time and take 1.24 of it to ask: about even for a fragment a texel. */
 enum { CELLS_PER_TRIANGLE = 1 };
 
 /* Room for entries that does for nearly every tile; where it does not, cells are larger. */

@@ -267,6 +267,7 @@ TEST(a_map_with_lists_answers_as_rays_without_normals) {
     for (int draw = 0; draw < 2; draw++)
         CHECK_INT(shb_map_draw(map, scene, NULL, NULL), SHB_OK);
     CHECK(shb_map_get_info(map)->memory_bytes > before);
+    CHECK(shb_map_get_info(map)->draw_seconds > 0);
 
     shb_reference *reference = NULL;
     CHECK_INT(shb_reference_create(context, scene, &reference), SHB_OK);

@@ -37,7 +37,7 @@ typedef enum shb_occluders {
     SHB_OCCLUDERS_TRIANGLES, /* the triangle of each texel, and the mesh in the light's space: 4
                                 more bytes a texel and about 64 a triangle */
     SHB_OCCLUDERS_LISTS /* all triangles that the light can see in each texel, or in larger cells
-                           where there are few of them: 4 bytes an entry, some 100 a triangle with
+                           where there are few of them: 8 bytes an entry, some 100 a triangle with
                            its share of vertices and cells */
 } shb_occluders;
 
@@ -49,6 +49,7 @@ typedef struct shb_map_info {
     shb_format format;
     double scene_scale;  /* diagonal of the box of what was drawn, or as given in the description */
     size_t memory_bytes; /* texels, padding and what is kept of occluders */
+    double draw_seconds; /* that the latest drawing took, occluders included; 0: none yet */
     shb_occluders occluders;
 } shb_map_info;
 
