@@ -45,9 +45,10 @@ static bool measure_table(const paper_output *output, const measure_frame *frame
         "that looks at nothing, and no map.",
         rows, sizeof rows / sizeof *rows,
         "As in the paper, two layers cost little with a small map or an expensive filter, and most "
-        "with a large map and none. They cost less here: a graphics card had to draw the scene "
-        "twice and combine the layers in a third pass, while one pass over the triangles keeps "
-        "both. Filters weigh less than on a card of 2003, whose shaders ran them tap by tap.");
+        "with a large map and none. One pass over the triangles keeps both, where a card drew the "
+        "scene twice and combined the layers in a third pass, so that they cost less without a "
+        "filter. With one they cost at least as much as in the paper: filters weigh less here than "
+        "on a card of 2003, whose shaders ran them tap by tap, and the map weighs more.");
     return true;
 }
 
