@@ -11,13 +11,12 @@
  *   wf_load, wf_store, wi_load, wi_store    from and to any address
  *   wf_add, wf_mul, wi_add, wi_mul, wi_or
  *   wf_min_inside(edges, z, q)              edges >= 0 && z < q ? z : q
- *   wi_store_closer(ids, edges, z, q, id)   id where edges >= 0 and (z, id) is below (q, the old one)
- *   wf_plane(base, step, column, lo, hi)    base + step * (column + lane) in double, lo where it is
- *                                           below, hi where it is above, rounded to float
- *   wf_min, wf_max(a, b)                    a < b ? a : b, a > b ? a : b: b if one is NaN
- *   wi_count_less(count, a, b)              count + 1 where a < b
- *   wi_sum(v)                               of all lanes
- *   wide_equal_bytes(bytes, value)          bit i: byte i of 64 equals value */
+ *   wi_store_closer(ids, edges, z, q, id)   id where edges >= 0 and (z, id) is below (q, the old
+ * one) wf_plane(base, step, column, lo, hi)    base + step * (column + lane) in double, lo where it
+ * is below, hi where it is above, rounded to float wf_min, wf_max(a, b)                    a < b ?
+ * a : b, a > b ? a : b: b if one is NaN wi_count_less(count, a, b)              count + 1 where a <
+ * b wi_sum(v)                               of all lanes wide_equal_bytes(bytes, value) bit i: byte
+ * i of 64 equals value */
 
 /* Which layers are drawn beside depth. */
 enum { LAYER_IDS = 1, LAYER_SECOND = 2 };
