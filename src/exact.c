@@ -5,6 +5,7 @@
 #include "exact_walk.h"
 #include "format.h"
 #include "half.h"
+#include "kernels/sheets.h"
 #include "lists.h"
 #include "occluders.h"
 #include "project.h"
@@ -219,18 +220,72 @@ static void ask_triangles(const shb_map *map, size_t lanes, const shb_receivers 
     }
 }
 
-void shb_exact_visibility(const shb_map *map, size_t count, const shb_receivers *receivers,
+/* By all that the map keeps for the exact method; nothing held: an empty map. */
+static void ask_occluders(const shb_map *map, size_t lanes, const shb_receivers *receivers,
                           float *visibility) {
-    const size_t lanes = shb_round_to_lanes(count);
+    const bool walks = map->info.occluders == SHB_OCCLUDERS_TRIANGLES;
     if (map->lists) {
         ask_lists(map->lists, lanes, receivers, visibility);
-        return;
-    }
-    if (map->occluders.held) {
-        const bool walks = map->info.occluders == SHB_OCCLUDERS_TRIANGLES;
+    } else if (map->occluders.held) {
         (walks ? ask_triangles : ask_planes)(map, lanes, receivers, visibility);
-        return;
+    } else {
+        for (size_t i = 0; i < lanes; i++)
+            visibility[i] = 1;
     }
-    for (size_t i = 0; i < lanes; i++)
-        visibility[i] = 1;
+}
+
+/* Writes the answers that are certain, and the numbers of the other fragments; returns how many
+ * these are. */
+static size_t settle(const shb_map *map, size_t count, const shb_receivers *receivers,
+                     float *visibility, uint16_t unsure[SHB_BATCH]) {
+    SHB_ALIGN int32_t answers[SHB_BATCH];
+    const shb_sheet_kernels *kernels = shb_sheet_kernels_of(map->context->isa);
+    kernels->ask(&map->occluders.sheets, count, receivers->x, receivers->y, receivers->z, answers);
+    size_t left = 0;
+    for (size_t i = 0; i < count; i++) {
+        visibility[i] = answers[i] == SHB_LIGHT_SHADOWED ? 0.0f : 1.0f;
+        unsure[left] = (uint16_t)i;
+        left += answers[i] == SHB_LIGHT_UNSURE;
+    }
+    return left;
+}
+
+/* Fragments of these numbers as a batch; has_normals: theirs are read. The last one fills up the
+ * lanes. */
+static void pick(const shb_receivers *restrict from, const uint16_t *numbers, size_t count,
+                 bool has_normals, shb_receivers *restrict to) {
+    for (size_t k = 0; k < shb_round_to_lanes(count); k++) {
+        const size_t i = numbers[k < count ? k : count - 1];
+        to->x[k] = from->x[i];
+        to->y[k] = from->y[i];
+        to->z[k] = from->z[i];
+        if (has_normals) {
+            to->normal_x[k] = from->normal_x[i];
+            to->normal_y[k] = from->normal_y[i];
+            to->normal_z[k] = from->normal_z[i];
+        }
+    }
+}
+
+/* Few fragments are left for the occluders where sheets know the others. */
+static void ask_sheets_first(const shb_map *map, size_t count, const shb_receivers *receivers,
+                             float *visibility) {
+    uint16_t unsure[SHB_BATCH];
+    SHB_ALIGN float answers[SHB_BATCH];
+    shb_receivers left;
+    const size_t left_count = settle(map, count, receivers, visibility, unsure);
+    if (left_count == 0)
+        return;
+    pick(receivers, unsure, left_count, !map->lists, &left);
+    ask_occluders(map, shb_round_to_lanes(left_count), &left, answers);
+    for (size_t k = 0; k < left_count; k++)
+        visibility[unsure[k]] = answers[k];
+}
+
+void shb_exact_visibility(const shb_map *map, size_t count, const shb_receivers *receivers,
+                          bool lifted, float *visibility) {
+    if (map->classifies && map->occluders.held && !lifted)
+        ask_sheets_first(map, count, receivers, visibility);
+    else
+        ask_occluders(map, shb_round_to_lanes(count), receivers, visibility);
 }

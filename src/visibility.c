@@ -103,11 +103,12 @@ static void light_all(size_t count, float *visibility) {
 }
 
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
-                          size_t count, shb_receivers *receivers, float *visibility) {
+                          size_t count, bool lifted, shb_receivers *receivers, float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
     const shb_bias_args bias_args = {count, bias, &map->info, receivers, kernels};
     const shb_filter_args filter_args = {
-        count, filter, map, &map->info, receivers, visibility, shb_prepared_find(map, filter)};
+        count,     filter,     map,    &map->info,
+        receivers, visibility, lifted, shb_prepared_find(map, filter)};
 
     if (bias->needs & SHB_NEEDS_OCCLUDERS) {
         if (map->occluders.held)
@@ -208,7 +209,8 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
                  batch.normal_y, batch.normal_z);
             prefetch(points->normals, normal_stride, first + count, points->count);
         }
-        shb_visibility_batch(map, bias, filter ? filter : &hard, count, &batch, batch_visibility);
+        shb_visibility_batch(map, bias, filter ? filter : &hard, count, false, &batch,
+                             batch_visibility);
         memcpy(visibility + first, batch_visibility, count * sizeof *visibility);
     }
     return SHB_OK;

@@ -321,3 +321,72 @@ TEST(classifying_refuses_what_it_cannot_answer) {
     shb_map_destroy(map);
     shb_context_destroy(context);
 }
+
+/* What a map of this kind answers, sheets asked first or not. */
+static void ask_exact(shb_context *context, const shb_view *view, shb_occluders occluders,
+                      bool classifies, const shb_scene *scene, const shb_points *points,
+                      float *visibility) {
+    const shb_map_desc desc = {
+        .view = *view, .width = 61, .occluders = occluders, .classifies = classifies};
+    const shb_bias exact = shb_bias_exact();
+    shb_map *map = NULL;
+    CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+    CHECK_INT(shb_map_draw(map, scene, NULL, NULL), SHB_OK);
+    CHECK_INT(shb_map_visibility(map, points, &exact, NULL, visibility), SHB_OK);
+    shb_map_destroy(map);
+}
+
+/* Lists are right by themselves, so that nothing may change. */
+TEST(lists_answer_the_same_with_sheets_before_them) {
+    enum { POINTS = 3000 };
+    static float positions[3 * POINTS], with[POINTS], without[POINTS];
+    soup s = {0};
+    test_random random = {34};
+    soup_add_ball(&s, (float[]){0.1f, 0.2f, 1.5f}, 30, 30, NULL);
+    for (int i = 0; i < 60; i++)
+        soup_add_random(&s, &random, 0.5);
+    soup_add_box(&s, (float[]){-3, -3, -3}, (float[]){3, 3, -1});
+    shb_context *context = lists_context(1);
+    shb_box box;
+    CHECK_INT(shb_scene_bounds(soup_scene(&s), &box), SHB_OK);
+    list_samples samples = list_samples_create(soup_scene(&s), POINTS, 8);
+    for (int i = 0; i < POINTS; i++) {
+        positions[3 * i] = (float)samples.x[i];
+        positions[3 * i + 1] = (float)samples.y[i];
+        positions[3 * i + 2] = (float)samples.z[i];
+    }
+    const shb_points points = {.count = POINTS, .positions = positions};
+    for (int spot = 0; spot < 2; spot++) {
+        const shb_view view = lists_view(spot ? &lists_spot : &lists_slanted, box, 61, spot);
+        ask_exact(context, &view, SHB_OCCLUDERS_LISTS, false, soup_scene(&s), &points, without);
+        ask_exact(context, &view, SHB_OCCLUDERS_LISTS, true, soup_scene(&s), &points, with);
+        CHECK(memcmp(with, without, sizeof with) == 0);
+    }
+    list_samples_free(&samples);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
+/* On planes the sample of each texel tells as much. */
+TEST(planes_answer_the_same_with_sheets_before_them) {
+    soup s = {0};
+    soup_add_quad(&s, (float[]){-2, -2, 0}, (float[]){2, -2, 0}, (float[]){2, 2, 0},
+                  (float[]){-2, 2, 0});
+    soup_add_quad(&s, (float[]){-2, -2, 1}, (float[]){0.03f, -2, 1}, (float[]){0.03f, 2, 1},
+                  (float[]){-2, 2, 1});
+    shb_context *context = lists_context(1);
+    const shb_view view = probe_orthographic(false);
+    static float positions[3 * 200], normals[3 * 200], with[200], without[200];
+    for (int i = 0; i < 200; i++) {
+        positions[3 * i] = -0.995f + 0.01f * (float)i;
+        positions[3 * i + 1] = 0.21f;
+        normals[3 * i + 2] = 1;
+    }
+    const shb_points points = {.count = 200, .positions = positions, .normals = normals};
+    ask_exact(context, &view, SHB_OCCLUDERS_PLANES, false, soup_scene(&s), &points, without);
+    ask_exact(context, &view, SHB_OCCLUDERS_PLANES, true, soup_scene(&s), &points, with);
+    CHECK(memcmp(with, without, sizeof with) == 0);
+    CHECK(with[0] == 0 && with[199] == 1);
+    shb_context_destroy(context);
+    soup_free(&s);
+}

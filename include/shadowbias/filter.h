@@ -25,6 +25,7 @@ typedef struct shb_filter_args {
     const shb_map_info *info;
     const shb_receivers *receivers;
     float *visibility;    /* out: 0 shadowed .. 1 lit; SHB_BATCH elements, 64-byte aligned */
+    bool lifted;          /* the points were moved off their surface, for a smooth terminator */
     const void *prepared; /* what prepare made of this map for this filter; NULL: nothing */
 } shb_filter_args;
 

@@ -22,7 +22,10 @@ typedef struct shb_map_desc {
                                 times, and so on: the answers are the same, only slower. Drawing
                                 fails with SHB_ERROR_MEMORY where one texel's would keep more */
     bool classifies; /* drawing finds what shb_map_classify answers from: 4 bytes a texel, and some
-                        40 a triangle to know them again when the same scene is drawn next */
+                        40 a triangle to know them again when the same scene is drawn next. The
+                        exact method asks it first, by the filter hard, so that its occluders
+                        are asked for few fragments: the answers become faster, and where planes
+                        or triangles are not right by themselves better */
 } shb_map_desc;
 
 /* An empty map: every fragment is lit, by any method. Both ways to make a map fail with
