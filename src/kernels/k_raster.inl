@@ -39,30 +39,23 @@ static void classify(int count, const shb_tile *tile, const chunk_boxes *restric
     memset(classes + lanes_of(count), CLASS_NONE, (size_t)(SHB_CHUNK - lanes_of(count)));
 }
 
-/* The four samples of each tiny triangle. */
+/* The four samples of each tiny triangle: its depth, or beyond the far depth where it is outside.
+ */
 typedef struct tiny_samples {
     SHB_ALIGN float depth[4][SHB_CHUNK];
-    uint8_t inside[4][SHB_CHUNK]; /* 1: a tiny triangle covers this sample */
 } tiny_samples;
 
 static void sample_tiny(int count, const chunk_planes *restrict planes,
-                        const uint8_t classes[SHB_CHUNK], tiny_samples *restrict samples) {
-    int32_t inside[4][SHB_CHUNK];
+                        tiny_samples *restrict samples) {
+    const float outside = 2.0f;
     for (int t = 0; t < lanes_of(count); t++) {
         int32_t edges[4];
         find_tiny_edges(planes, t, edges);
         const float upper = planes->depth[t], lower = upper + planes->depth_y[t];
-        samples->depth[0][t] = upper;
-        samples->depth[1][t] = upper + planes->depth_x[t];
-        samples->depth[2][t] = lower;
-        samples->depth[3][t] = lower + planes->depth_x[t];
-        for (int s = 0; s < 4; s++)
-            inside[s][t] = edges[s] < 0 ? 0 : 1;
-    }
-    for (int s = 0; s < 4; s++) {
-        for (int t = 0; t < lanes_of(count); t++)
-            samples->inside[s][t] = classes[t] == CLASS_TINY ? (uint8_t)inside[s][t] : 0;
-        memset(samples->inside[s] + lanes_of(count), 0, (size_t)(SHB_CHUNK - lanes_of(count)));
+        samples->depth[0][t] = edges[0] < 0 ? outside : upper;
+        samples->depth[1][t] = edges[1] < 0 ? outside : upper + planes->depth_x[t];
+        samples->depth[2][t] = edges[2] < 0 ? outside : lower;
+        samples->depth[3][t] = edges[3] < 0 ? outside : lower + planes->depth_x[t];
     }
 }
 
@@ -80,17 +73,15 @@ static inline __attribute__((always_inline)) void merge_sample(const shb_tile *t
     tile->depth[at] = MIN(z, nearest);
 }
 
-/* Sample number s of the half chunk's tiny triangles. */
-static inline __attribute__((always_inline)) void
-draw_tiny(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers, const chunk_boxes *boxes,
-          const tiny_samples *samples, int half, int s) {
-    const ptrdiff_t offset = s / 2 * tile->stride + s % 2;
-    for (uint64_t members = wide_equal_bytes(samples->inside[s] + half, 1); members;
-         members &= members - 1) {
-        const int t = half + __builtin_ctzll(members);
-        const ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + boxes->x[t] - tile->x0;
-        merge_sample(tile, layers, at + offset, samples->depth[s][t], ids[t]);
-    }
+static inline __attribute__((always_inline)) void draw_tiny(const shb_tile *tile, int layers,
+                                                            const chunk_boxes *boxes,
+                                                            const tiny_samples *samples, int t,
+                                                            uint32_t id) {
+    const ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + boxes->x[t] - tile->x0;
+    merge_sample(tile, layers, at, samples->depth[0][t], id);
+    merge_sample(tile, layers, at + 1, samples->depth[1][t], id);
+    merge_sample(tile, layers, at + tile->stride, samples->depth[2][t], id);
+    merge_sample(tile, layers, at + tile->stride + 1, samples->depth[3][t], id);
 }
 
 /* Calls draw for every triangle of the half chunk that is of the class. */
@@ -112,8 +103,7 @@ draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
              const chunk_boxes *boxes, const chunk_planes *planes, const tiny_samples *samples,
              const uint8_t classes[SHB_CHUNK]) {
     for (int half = 0; half < SHB_CHUNK; half += 64) {
-        for (int s = 0; s < 4; s++)
-            draw_tiny(ids, tile, layers, boxes, samples, half, s);
+        FOR_CLASS(CLASS_TINY, draw_tiny(tile, layers, boxes, samples, t, id))
         DRAW_ROWS(1)
         DRAW_ROWS(2)
         DRAW_ROWS(3)
@@ -131,19 +121,30 @@ draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
     }
 }
 
+/* Bits of the live triangles. */
+typedef struct live_bits {
+    uint64_t halves[2];
+} live_bits;
+
+static live_bits list_live(const uint8_t live[SHB_CHUNK]) {
+    return (live_bits){{wide_equal_bytes(live, 1), wide_equal_bytes(live + 64, 1)}};
+}
+
+static int count_live(const live_bits *live) {
+    return __builtin_popcountll(live->halves[0]) + __builtin_popcountll(live->halves[1]);
+}
+
 /* The live triangles' corners, and their numbers in the chunk. */
-static int gather_live(const corner_list *list, const uint8_t live[SHB_CHUNK],
-                       uint32_t indices[3 * SHB_CHUNK], uint8_t order[SHB_CHUNK]) {
+static void gather_live(const corner_list *list, const live_bits *live,
+                        uint32_t indices[3 * SHB_CHUNK], uint8_t order[SHB_CHUNK]) {
     int count = 0;
-    for (int half = 0; half < SHB_CHUNK; half += 64)
-        for (uint64_t members = wide_equal_bytes(live + half, 1); members; members &= members - 1) {
-            const int t = half + __builtin_ctzll(members);
+    for (int half = 0; half < 2; half++)
+        for (uint64_t members = live->halves[half]; members; members &= members - 1) {
+            const int t = 64 * half + __builtin_ctzll(members);
             memcpy(indices + 3 * count, list->indices + 3 * t, 3 * sizeof *indices);
             order[count++] = (uint8_t)t;
         }
-    if (count > 0)
-        repeat_last(count, indices);
-    return count;
+    repeat_last(count, indices);
 }
 
 static void find_ids(const shb_chunk *chunk, int count, const uint8_t *order,
@@ -164,7 +165,7 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const cor
     fetch_corners(list, &corners);
     set_up_depths(count, &corners, boxes, planes);
     classify(count, tile, boxes, planes, classes);
-    sample_tiny(count, planes, classes, &samples);
+    sample_tiny(count, planes, &samples);
     const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0);
     if (layers & LAYER_IDS)
         find_ids(chunk, count, order, ids);
@@ -196,12 +197,14 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
         return 0;
     const uint32_t own = count_own(list.count, tile, &boxes);
     set_up_edges(list.count, &boxes, &planes);
-    find_live(list.count, &boxes, &planes, live);
-    const int count = gather_live(&list, live, live_indices, order);
+    find_live(list.count, &planes, &boxes, live);
+    const live_bits bits = list_live(live);
+    const int count = count_live(&bits);
     if (count == 0)
         return own;
     const bool gathers = count < list.count - list.count / 4;
     if (gathers) {
+        gather_live(&list, &bits, live_indices, order);
         list.indices = live_indices;
         list.count = count;
         look_at_corners(chunk->instance, &list, tile->x0, tile->y0, tile->right, tile->y1, &boxes);

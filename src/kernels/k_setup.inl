@@ -252,19 +252,18 @@ static inline __attribute__((always_inline)) void find_tiny_edges(const chunk_pl
     edges[3] = (a + ax + ay) | (b + bx + by) | (c + cx + cy);
 }
 
-/* Triangles that are kept and not so small that they lie between all samples. */
-static void find_live(int count, const chunk_boxes *restrict boxes,
-                      const chunk_planes *restrict planes, uint8_t live[SHB_CHUNK]) {
-    int32_t wide[SHB_CHUNK];
+/* Triangles so small that they lie between all samples are not kept. */
+static void find_live(int count, const chunk_planes *restrict planes, chunk_boxes *restrict boxes,
+                      uint8_t live[SHB_CHUNK]) {
     for (int t = 0; t < lanes_of(count); t++) {
         int32_t edges[4];
         find_tiny_edges(planes, t, edges);
         const int32_t not_tiny = (2 - boxes->width[t]) | (2 - boxes->height[t]);
         const int32_t missed = (edges[0] & edges[1] & edges[2] & edges[3]) & ~not_tiny;
-        wide[t] = missed < 0 ? 0 : boxes->kept[t];
+        boxes->kept[t] = missed < 0 ? 0 : boxes->kept[t];
     }
     for (int t = 0; t < lanes_of(count); t++)
-        live[t] = (uint8_t)wide[t];
+        live[t] = (uint8_t)boxes->kept[t];
     memset(live + lanes_of(count), 0, (size_t)(SHB_CHUNK - lanes_of(count)));
 }
 
