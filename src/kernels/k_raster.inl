@@ -121,42 +121,15 @@ draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
     }
 }
 
-/* Bits of the live triangles. */
-typedef struct live_bits {
-    uint64_t halves[2];
-} live_bits;
-
-static live_bits list_live(const uint8_t live[SHB_CHUNK]) {
-    return (live_bits){{wide_equal_bytes(live, 1), wide_equal_bytes(live + 64, 1)}};
-}
-
-static int count_live(const live_bits *live) {
-    return __builtin_popcountll(live->halves[0]) + __builtin_popcountll(live->halves[1]);
-}
-
-/* The live triangles' corners, and their numbers in the chunk. */
-static void gather_live(const corner_list *list, const live_bits *live,
-                        uint32_t indices[3 * SHB_CHUNK], uint8_t order[SHB_CHUNK]) {
-    int count = 0;
-    for (int half = 0; half < 2; half++)
-        for (uint64_t members = live->halves[half]; members; members &= members - 1) {
-            const int t = 64 * half + __builtin_ctzll(members);
-            memcpy(indices + 3 * count, list->indices + 3 * t, 3 * sizeof *indices);
-            order[count++] = (uint8_t)t;
-        }
-    repeat_last(count, indices);
-}
-
-static void find_ids(const shb_chunk *chunk, int count, const uint8_t *order,
-                     uint32_t ids[SHB_CHUNK]) {
+static void find_ids(const shb_chunk *chunk, uint32_t ids[SHB_CHUNK]) {
     const uint32_t first = (uint32_t)chunk->instance->first_triangle;
-    for (int t = 0; t < count; t++)
-        ids[t] = first + triangle_of(chunk, order ? order[t] : (uint32_t)t);
+    for (uint32_t t = 0; t < chunk->count; t++)
+        ids[t] = first + triangle_of(chunk, t);
 }
 
-/* Draws what has been looked at; order: numbers in the chunk, or NULL if nothing was left out. */
+/* Draws what has been looked at. */
 static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const corner_list *list,
-                         const uint8_t *order, const chunk_boxes *boxes, chunk_planes *planes) {
+                         const chunk_boxes *boxes, chunk_planes *planes) {
     const int count = list->count;
     chunk_corners corners;
     tiny_samples samples;
@@ -168,7 +141,7 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const cor
     sample_tiny(count, planes, &samples);
     const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0);
     if (layers & LAYER_IDS)
-        find_ids(chunk, count, order, ids);
+        find_ids(chunk, ids);
     else
         memset(ids, 0, sizeof ids);
     switch (layers) {
@@ -183,34 +156,20 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const cor
     }
 }
 
-/* Where many triangles drop out before their depths are needed, the others are looked at once more
- * without them. */
 static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     shb_vertex local[SHB_CLUSTER_VERTICES];
-    uint32_t listed[3 * SHB_CHUNK], live_indices[3 * SHB_CHUNK];
-    uint8_t live[SHB_CHUNK], order[SHB_CHUNK];
+    uint32_t listed[3 * SHB_CHUNK];
     chunk_boxes boxes;
     chunk_planes planes;
-    corner_list list = {vertices_of(chunk, local), list_indices(chunk, listed), (int)chunk->count};
+    const corner_list list = {vertices_of(chunk, local), list_indices(chunk, listed),
+                              (int)chunk->count};
     if (look_at_corners(chunk->instance, &list, tile->x0, tile->y0, tile->right, tile->y1,
                         &boxes) == 0)
         return 0;
     const uint32_t own = count_own(list.count, tile, &boxes);
     set_up_edges(list.count, &boxes, &planes);
-    find_live(list.count, &planes, &boxes, live);
-    const live_bits bits = list_live(live);
-    const int count = count_live(&bits);
-    if (count == 0)
-        return own;
-    const bool gathers = count < list.count - list.count / 4;
-    if (gathers) {
-        gather_live(&list, &bits, live_indices, order);
-        list.indices = live_indices;
-        list.count = count;
-        look_at_corners(chunk->instance, &list, tile->x0, tile->y0, tile->right, tile->y1, &boxes);
-        set_up_edges(count, &boxes, &planes);
-    }
-    draw_corners(chunk, tile, &list, gathers ? order : NULL, &boxes, &planes);
+    if (drop_missed(list.count, &planes, &boxes) > 0)
+        draw_corners(chunk, tile, &list, &boxes, &planes);
     return own;
 }
 

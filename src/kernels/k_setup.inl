@@ -252,9 +252,10 @@ static inline __attribute__((always_inline)) void find_tiny_edges(const chunk_pl
     edges[3] = (a + ax + ay) | (b + bx + by) | (c + cx + cy);
 }
 
-/* Triangles so small that they lie between all samples are not kept. */
-static void find_live(int count, const chunk_planes *restrict planes, chunk_boxes *restrict boxes,
-                      uint8_t live[SHB_CHUNK]) {
+/* Keeps no triangle that is so small that it lies between all samples; returns how many are kept.
+ */
+static uint32_t drop_missed(int count, const chunk_planes *restrict planes,
+                            chunk_boxes *restrict boxes) {
     for (int t = 0; t < lanes_of(count); t++) {
         int32_t edges[4];
         find_tiny_edges(planes, t, edges);
@@ -262,9 +263,7 @@ static void find_live(int count, const chunk_planes *restrict planes, chunk_boxe
         const int32_t missed = (edges[0] & edges[1] & edges[2] & edges[3]) & ~not_tiny;
         boxes->kept[t] = missed < 0 ? 0 : boxes->kept[t];
     }
-    for (int t = 0; t < lanes_of(count); t++)
-        live[t] = (uint8_t)boxes->kept[t];
-    memset(live + lanes_of(count), 0, (size_t)(SHB_CHUNK - lanes_of(count)));
+    return count_kept(count, boxes);
 }
 
 /* Conditions are numbers, 1 or 0, so that the loop stays in vectors of doubles. */
