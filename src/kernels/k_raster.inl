@@ -129,14 +129,13 @@ static void find_ids(const shb_chunk *chunk, uint32_t ids[SHB_CHUNK]) {
 
 /* Draws what has been looked at. */
 static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const corner_list *list,
-                         const chunk_boxes *boxes, chunk_planes *planes) {
+                         const chunk_corners *corners, const chunk_boxes *boxes,
+                         chunk_planes *planes) {
     const int count = list->count;
-    chunk_corners corners;
     tiny_samples samples;
     uint8_t classes[SHB_CHUNK];
     uint32_t ids[SHB_CHUNK];
-    fetch_corners(list, &corners);
-    set_up_depths(count, &corners, boxes, planes);
+    set_up_depths(count, corners, boxes, planes);
     classify(count, tile, boxes, planes, classes);
     sample_tiny(count, planes, &samples);
     const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0);
@@ -159,17 +158,19 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const cor
 static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     shb_vertex local[SHB_CLUSTER_VERTICES];
     uint32_t listed[3 * SHB_CHUNK];
+    chunk_corners corners;
     chunk_boxes boxes;
     chunk_planes planes;
     const corner_list list = {vertices_of(chunk, local), list_indices(chunk, listed),
                               (int)chunk->count};
+    fetch_corners(&list, &corners, &boxes);
     if (look_at_corners(chunk->instance, &list, tile->x0, tile->y0, tile->right, tile->y1,
                         &boxes) == 0)
         return 0;
     const uint32_t own = count_own(list.count, tile, &boxes);
     set_up_edges(list.count, &boxes, &planes);
     if (drop_missed(list.count, &planes, &boxes) > 0)
-        draw_corners(chunk, tile, &list, &boxes, &planes);
+        draw_corners(chunk, tile, &list, &corners, &boxes, &planes);
     return own;
 }
 
@@ -180,6 +181,7 @@ static void find_tiles(const shb_chunk *chunk, const shb_samples *target, shb_ti
     chunk_boxes boxes;
     const int count = (int)chunk->count;
     const corner_list list = {chunk->vertices, list_indices(chunk, listed), count};
+    fetch_snapped(&list, &boxes);
     look_at_corners(chunk->instance, &list, 0, 0, right + 1, bottom + 1, &boxes);
     uint32_t kept = 0;
     for (int t = 0; t < count; t++) {

@@ -115,16 +115,20 @@ static void fetch_snapped(const corner_list *list, chunk_boxes *boxes) {
     }
 }
 
-/* Transposes the corners of two triangles at a time. */
-static void fetch_corners(const corner_list *list, chunk_corners *corners) {
+/* Transposes the corners of two triangles at a time, snapped ones, too. */
+static void fetch_corners(const corner_list *list, chunk_corners *corners, chunk_boxes *boxes) {
     for (int t = 0; t < lanes_of(list->count); t += 2) {
         const uint32_t *at = list->indices + 3 * t;
         for (int k = 0; k < 3; k++) {
             const pair *a = (const pair *)&list->vertices[at[k]];
             const pair *b = (const pair *)&list->vertices[at[3 + k]];
+            const quad snapped = __builtin_shufflevector((quad)a[1], (quad)b[1], 2, 6, 3, 7);
+            const bits_pair halves = (bits_pair)snapped;
             *(pair *)&corners->x[k][t] = (pair){a[0][0], b[0][0]};
             *(pair *)&corners->y[k][t] = (pair){a[0][1], b[0][1]};
             *(pair *)&corners->z[k][t] = (pair){a[1][0], b[1][0]};
+            memcpy(&boxes->corner_x[k][t], &(uint64_t){halves[0]}, sizeof halves[0]);
+            memcpy(&boxes->corner_y[k][t], &(uint64_t){halves[1]}, sizeof halves[1]);
         }
     }
 }
@@ -206,11 +210,10 @@ static uint32_t count_own(int count, const shb_tile *tile, const chunk_boxes *bo
     return (uint32_t)own;
 }
 
-/* Everything about triangles up to their boxes. Returns how many are kept. */
+/* Everything about fetched triangles up to their boxes. Returns how many are kept. */
 static uint32_t look_at_corners(const shb_draw_instance *instance, const corner_list *list,
                                 int32_t x0, int32_t y0, int32_t x1, int32_t y1,
                                 chunk_boxes *boxes) {
-    fetch_snapped(list, boxes);
     find_boxes(list->count, x0, y0, x1, y1, boxes);
     find_areas(instance, list->count, boxes);
     for (int t = list->count; t < lanes_of(list->count); t++)
