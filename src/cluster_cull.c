@@ -29,7 +29,7 @@ typedef struct range {
 
 /* Of a cluster in window space. */
 typedef struct window_box {
-    range x, y, z;
+    range x, y;
 } window_box;
 
 static double determinant(const double a[4], const double b[4], const double c[4], int i, int j,
@@ -213,16 +213,9 @@ static bool faces_away(const shb_cluster_view *view, const shb_cluster *cluster,
     return h * area * c > (4.25 * d * pixels_a_unit + 8 * d * d / h) * cube;
 }
 
-/* Depths at samples may leave the range of the corners: gradients of at most 16 ranges a pixel,
- * samples within 2^-9 pixel of the triangle on both axes, 5 * 2^-24 of rounding. */
-static float nearest_in(range z) {
-    return (float)(z.lo - ((z.hi - z.lo) / 16 + 0x1p-20 * largest(z)));
-}
-
 shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluster *cluster,
                                   shb_seen_cluster *seen) {
     seen->samples = view->target->samples;
-    seen->nearest = -(float)HUGE_VAL;
     if (!(cluster->lo[0] == cluster->lo[0]))
         return SHB_CLUSTER_DOUBTFUL;
     const middle_box box = middle_of(cluster);
@@ -235,14 +228,13 @@ shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluste
         return SHB_CLUSTER_DROPPED;
     if (!(w.lo >= 0x1p-500))
         return SHB_CLUSTER_DOUBTFUL;
-    double doubt_x, doubt_y, doubt_z;
+    double doubt_x, doubt_y;
     const double half_width = view->target->half_width, half_height = view->target->half_height;
     const range u = project(view, &box, ROW_X, x, w.lo, &doubt_x);
     const range v = project(view, &box, ROW_Y, y, w.lo, &doubt_y);
     const window_box window = {
         .x = {u.lo * half_width + half_width, u.hi * half_width + half_width},
-        .y = {half_height - v.hi * half_height, half_height - v.lo * half_height},
-        .z = project(view, &box, ROW_Z, z, w.lo, &doubt_z)};
+        .y = {half_height - v.hi * half_height, half_height - v.lo * half_height}};
     if (!(fmax(doubt_x * half_width, doubt_y * half_height) <= WINDOW_DOUBT))
         return SHB_CLUSTER_DOUBTFUL;
     const range near = range_in(view->planes[0], &box);
@@ -261,6 +253,5 @@ shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluste
     const double pixels_a_unit = sqrt(steep_x * steep_x + steep_y * steep_y) / w.lo;
     if (faces_away(view, cluster, &box, pixels_a_unit, w.hi))
         return SHB_CLUSTER_DROPPED;
-    seen->nearest = nearest_in(window.z);
     return SHB_CLUSTER_PLAIN;
 }

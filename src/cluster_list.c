@@ -47,7 +47,6 @@ static void list_run(const list_job *job, const shb_draw_instance *instance, uin
         *chunk = chunk_of(instance, &clusters[i]);
         chunk->cluster.target = job->target;
         chunk->cluster.samples = looked.samples;
-        chunk->cluster.nearest = looked.nearest;
         chunk->cluster.may_be_coded = fate == SHB_CLUSTER_DOUBTFUL;
         seen->doubtful |= fate == SHB_CLUSTER_DOUBTFUL;
     }

@@ -6,7 +6,8 @@
  *
  * Before, each point went through its cell's entries by itself, front to back up to the first that
  * begins behind it. Runs, steps without branches and depths by cell instead of by triangle took the
- * time to 0.8 of that among small triangles and 0.6 to 0.7 among large ones. */
+ * time to 0.6 to 0.7 of that among large triangles, to 0.8 or as much among small ones, and to 1.1
+ * where two million records leave every cache. */
 #include "strict.h"
 
 #include "lists.h"

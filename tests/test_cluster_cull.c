@@ -180,8 +180,6 @@ static bool check_cluster(const shb_target *target, const shb_draw_instance *ins
         const shb_samples both = shb_samples_intersect(part, seen.samples);
         right &= both.first_column == part.first_column && both.first_row == part.first_row &&
                  both.last_column == part.last_column && both.last_row == part.last_row;
-        for (int k = 0; k < 3; k++)
-            right &= shape.Z[k] >= (double)seen.nearest;
     }
     return right;
 }

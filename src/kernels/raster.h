@@ -59,7 +59,6 @@ typedef struct shb_seen_cluster {
     uint32_t vertex_count, places; /* places: from the first x to the first y */
     bool may_be_coded;             /* some vertex may not be usable */
     shb_samples samples;           /* its usable triangles lie in them */
-    float nearest;                 /* and not before this depth */
 } shb_seen_cluster;
 
 /* Up to SHB_CHUNK triangles of one instance: those listed, or those that follow the first one. */
