@@ -420,7 +420,7 @@ static void ask_sheets(const shb_sheets *sheets, size_t count, const float *rest
     for (size_t i = 0; i < lanes; i++)
         bounds[i] = sheets->bounds[(size_t)(uint32_t)row[i] * sheets->stride + (uint32_t)column[i]];
     int32_t whole[SHB_BATCH];
-    memcpy(whole, bounds, sizeof whole);
+    memcpy(whole, bounds, lanes * sizeof *whole);
     for (size_t i = 0; i < lanes; i++) {
         const int behind = depths[i] > (double)bounds[i];
         const int32_t lit = whole[i] & 1 ? SHB_LIGHT_LIT : SHB_LIGHT_UNSURE;
