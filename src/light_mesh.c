@@ -4,7 +4,6 @@
 
 #include "kernels/sheets.h"
 
-#include <float.h>
 #include <math.h>
 
 #define PER_TASK 4096
@@ -15,8 +14,6 @@ typedef struct mesh_job {
     const shb_sheet_kernels *kernels;
     shb_list_extent *extents; /* of each task's vertices */
 } mesh_job;
-
-static const shb_list_extent NO_EXTENT = {0, DBL_MAX, -DBL_MAX};
 
 static shb_list_vertex see_vertex(const shb_list_frame *frame, const double p[3]) {
     const double w = shb_list_row(frame->rows[3], p[0], p[1], p[2]), inverse = 1 / w;
@@ -36,19 +33,13 @@ static void see_vertices(void *arg, size_t task) {
     const shb_topology *t = job->mesh->topology;
     const size_t first = task * PER_TASK, rest = t->vertex_count - first;
     const size_t end = rest < PER_TASK ? t->vertex_count : first + PER_TASK;
-    shb_list_extent extent = NO_EXTENT;
+    shb_list_extent extent = shb_list_extent_none();
     for (size_t i = first; i < end; i++) {
         const double *p = t->positions[i];
         const shb_list_vertex seen = see_vertex(&job->mesh->frame, p);
         job->mesh->vertices[i] = seen;
-        if (isnan(seen.inverse_w))
-            continue;
-        for (int k = 0; k < 3; k++)
-            extent.reach = fabs(p[k]) > extent.reach ? fabs(p[k]) : extent.reach;
-        if (seen.inverse_w > 0) {
-            extent.nearest = seen.z < extent.nearest ? seen.z : extent.nearest;
-            extent.farthest = seen.z > extent.farthest ? seen.z : extent.farthest;
-        }
+        if (!isnan(seen.inverse_w))
+            shb_list_extent_add(&extent, p, seen.z, seen.inverse_w > 0);
     }
     job->extents[task] = extent;
 }
@@ -63,14 +54,7 @@ static bool see_all_vertices(const shb_context *context, mesh_job *job) {
     if (!job->extents)
         return false;
     shb_parallel_for(context, see_vertices, job, tasks);
-    shb_list_extent all = NO_EXTENT;
-    for (size_t i = 0; i < tasks; i++) {
-        const shb_list_extent *one = &job->extents[i];
-        all.reach = one->reach > all.reach ? one->reach : all.reach;
-        all.nearest = one->nearest < all.nearest ? one->nearest : all.nearest;
-        all.farthest = one->farthest > all.farthest ? one->farthest : all.farthest;
-    }
-    shb_list_frame_fit(&job->mesh->frame, &all);
+    shb_list_frame_fit(&job->mesh->frame, tasks, job->extents);
     shb_free(context, job->extents);
     return true;
 }

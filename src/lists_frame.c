@@ -62,14 +62,39 @@ shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t he
     return SHB_OK;
 }
 
-void shb_list_frame_fit(shb_list_frame *frame, const shb_list_extent *extent) {
-    frame->reach = extent->reach;
+shb_list_extent shb_list_extent_none(void) {
+    return (shb_list_extent){0, DBL_MAX, -DBL_MAX};
+}
+
+void shb_list_extent_add(shb_list_extent *extent, const double p[3], double z, bool is_seen) {
+    for (int k = 0; k < 3; k++)
+        extent->reach = fabs(p[k]) > extent->reach ? fabs(p[k]) : extent->reach;
+    if (!is_seen)
+        return;
+    extent->nearest = z < extent->nearest ? z : extent->nearest;
+    extent->farthest = z > extent->farthest ? z : extent->farthest;
+}
+
+static shb_list_extent join(size_t count, const shb_list_extent extents[]) {
+    shb_list_extent all = shb_list_extent_none();
+    for (size_t i = 0; i < count; i++) {
+        const shb_list_extent *one = &extents[i];
+        all.reach = one->reach > all.reach ? one->reach : all.reach;
+        all.nearest = one->nearest < all.nearest ? one->nearest : all.nearest;
+        all.farthest = one->farthest > all.farthest ? one->farthest : all.farthest;
+    }
+    return all;
+}
+
+void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_extent extents[]) {
+    const shb_list_extent all = join(count, extents);
+    frame->reach = all.reach;
     for (int r = 0; r < 4; r++) {
         frame->errors[r] = PROJECTION_ROUNDING * row_size(frame->rows[r], frame->reach);
         if (r != 2)
             frame->errors[r] += drift(frame, frame->rows[r]);
     }
-    const double range = extent->farthest - extent->nearest;
-    frame->level_origin = range > 0 ? extent->nearest : frame->near_depth;
+    const double range = all.farthest - all.nearest;
+    frame->level_origin = range > 0 ? all.nearest : frame->near_depth;
     frame->levels = SHB_LIST_LEVELS / (range > 0x1p-500 && range < 0x1p500 ? range : 1);
 }

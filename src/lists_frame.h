@@ -26,12 +26,18 @@ typedef struct shb_list_extent {
         farthest; /* depths of those behind the near plane; nearest above farthest: none */
 } shb_list_extent;
 
+/* Of no vertices. */
+shb_list_extent shb_list_extent_none(void);
+
+/* A vertex at p whose depth is z; is_seen: behind the near plane. */
+void shb_list_extent_add(shb_list_extent *extent, const double p[3], double z, bool is_seen);
+
 /* The rows of a view; SHB_ERROR_NUMBER if it has no light. */
 shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t height,
                                shb_list_frame *frame);
 
-/* Errors and levels for scenes of this extent. */
-void shb_list_frame_fit(shb_list_frame *frame, const shb_list_extent *extent);
+/* Errors and levels for a scene whose parts have these extents. */
+void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_extent extents[]);
 
 /* A row's product with a point. */
 static inline double shb_list_row(const double row[4], double x, double y, double z) {

@@ -29,21 +29,6 @@ static shb_list_vertex project(const shb_list_frame *frame, shb_vec3 p) {
     return (shb_list_vertex){x * inverse, y * inverse, z * inverse, inverse};
 }
 
-static void add_to_extent(shb_list_extent *extent, shb_vec3 p, const shb_list_vertex *vertex) {
-    if (isnan(vertex->inverse_w))
-        return;
-    const double x = fabs(p.x), y = fabs(p.y), z = fabs(p.z);
-    extent->reach = x > extent->reach ? x : extent->reach;
-    extent->reach = y > extent->reach ? y : extent->reach;
-    extent->reach = z > extent->reach ? z : extent->reach;
-    if (!(vertex->inverse_w > 0))
-        return;
-    extent->nearest = vertex->z < extent->nearest ? vertex->z : extent->nearest;
-    extent->farthest = vertex->z > extent->farthest ? vertex->z : extent->farthest;
-}
-
-static const shb_list_extent NO_EXTENT = {0, HUGE_VAL, -HUGE_VAL};
-
 /* Meshes without triangles may have no vertices to read. */
 static size_t vertices_of(const shb_mesh *mesh) {
     return mesh->triangle_count ? mesh->vertex_count : 0;
@@ -74,7 +59,7 @@ static void load_vertex_run(void *arg, size_t run) {
     const size_t end =
         loading->vertex_count - vertex < VERTICES ? loading->vertex_count : vertex + VERTICES;
     size_t number = instance_of_vertex(loading->scene, vertex, &first);
-    shb_list_extent extent = NO_EXTENT;
+    shb_list_extent extent = shb_list_extent_none();
     while (vertex < end) {
         const shb_instance *instance = &loading->scene->instances[number++];
         const shb_mat4 transform = shb_instance_transform(instance);
@@ -87,8 +72,10 @@ static void load_vertex_run(void *arg, size_t run) {
             kept[0] = world.x;
             kept[1] = world.y;
             kept[2] = world.z;
-            loading->vertices[vertex] = project(&lists->frame, world);
-            add_to_extent(&extent, world, &loading->vertices[vertex]);
+            const shb_list_vertex seen = project(&lists->frame, world);
+            loading->vertices[vertex] = seen;
+            if (!isnan(seen.inverse_w))
+                shb_list_extent_add(&extent, kept, seen.z, seen.inverse_w > 0);
         }
         first = after;
     }
@@ -102,14 +89,7 @@ size_t shb_list_vertex_runs(size_t vertex_count) {
 void shb_list_load_vertices(const shb_list_loading *loading) {
     const size_t runs = shb_list_vertex_runs(loading->vertex_count);
     shb_parallel_for(loading->lists->context, load_vertex_run, (void *)loading, runs);
-    shb_list_extent all = NO_EXTENT;
-    for (size_t i = 0; i < runs; i++) {
-        const shb_list_extent *run = &loading->extents[i];
-        all.reach = run->reach > all.reach ? run->reach : all.reach;
-        all.nearest = run->nearest < all.nearest ? run->nearest : all.nearest;
-        all.farthest = run->farthest > all.farthest ? run->farthest : all.farthest;
-    }
-    shb_list_frame_fit(&loading->lists->frame, &all);
+    shb_list_frame_fit(&loading->lists->frame, runs, loading->extents);
 }
 
 /* False: the triangle is not for the kernel. */

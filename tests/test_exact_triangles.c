@@ -1,10 +1,10 @@
 /* The exact method on maps that keep triangles: equal to the truth, shadow boundaries included. */
-#include "allocator.h"
 #include "measure.h"
 #include "probe.h"
 #include "random.h"
 #include "scenes.h"
 #include "soup.h"
+#include "starved.h"
 #include "test.h"
 
 #include <math.h>
@@ -216,27 +216,9 @@ TEST(no_memory_is_an_error_at_every_allocation) {
     soup s = {0};
     add_roof(&s, &random, 1);
     for (int kind = SHB_OCCLUDERS_PLANES; kind <= SHB_OCCLUDERS_TRIANGLES; kind++) {
-        bool done = false;
-        for (size_t fail_at = 1; !done && fail_at < 200; fail_at++) {
-            test_allocator state = {.fail_at = fail_at};
-            const shb_context_desc context_desc = {.threads = 1,
-                                                   .allocator = test_allocator_hooks(&state)};
-            const shb_map_desc desc = {
-                .view = probe_orthographic(false), .width = 16, .occluders = (shb_occluders)kind};
-            shb_context *context = NULL;
-            shb_map *map = NULL;
-            shb_result result = shb_context_create(&context_desc, &context);
-            if (!result)
-                result = shb_map_create(context, &desc, &map);
-            if (!result)
-                result = shb_map_draw(map, soup_scene(&s), NULL, NULL);
-            done = result == SHB_OK;
-            CHECK(result == SHB_OK || result == SHB_ERROR_MEMORY);
-            shb_map_destroy(map);
-            shb_context_destroy(context);
-            CHECK_INT(state.live, 0);
-        }
-        CHECK(done);
+        const shb_map_desc desc = {
+            .view = probe_orthographic(false), .width = 16, .occluders = (shb_occluders)kind};
+        CHECK(test_starve_map(&desc, soup_scene(&s)) > 5);
     }
     soup_free(&s);
 }

@@ -1,8 +1,8 @@
 /* Certain answers: never wrong, whatever the scene, and as many as the scene allows. */
 #include "../src/map.h"
-#include "allocator.h"
 #include "list_samples.h"
 #include "probe.h"
+#include "starved.h"
 #include "test.h"
 
 #include <math.h>
@@ -271,29 +271,11 @@ TEST(sheets_without_memory_are_an_error_at_every_allocation) {
     soup s = {0};
     soup_add_ball(&s, (float[]){0, 0, 0}, 8, 8, NULL);
     for (int kind = SHB_OCCLUDERS_NONE; kind <= SHB_OCCLUDERS_LISTS; kind++) {
-        bool done = false;
-        for (size_t fail_at = 1; !done && fail_at < 300; fail_at++) {
-            test_allocator state = {.fail_at = fail_at};
-            const shb_context_desc context_desc = {.threads = 1,
-                                                   .allocator = test_allocator_hooks(&state)};
-            const shb_map_desc desc = {.view = probe_orthographic(false),
-                                       .width = 16,
-                                       .occluders = (shb_occluders)kind,
-                                       .classifies = true};
-            shb_context *context = NULL;
-            shb_map *map = NULL;
-            shb_result result = shb_context_create(&context_desc, &context);
-            if (!result)
-                result = shb_map_create(context, &desc, &map);
-            if (!result)
-                result = shb_map_draw(map, soup_scene(&s), NULL, NULL);
-            done = result == SHB_OK;
-            CHECK(result == SHB_OK || result == SHB_ERROR_MEMORY);
-            shb_map_destroy(map);
-            shb_context_destroy(context);
-            CHECK_INT(state.live, 0);
-        }
-        CHECK(done);
+        const shb_map_desc desc = {.view = probe_orthographic(false),
+                                   .width = 16,
+                                   .occluders = (shb_occluders)kind,
+                                   .classifies = true};
+        CHECK(test_starve_map(&desc, soup_scene(&s)) > 10);
     }
     soup_free(&s);
 }

@@ -153,7 +153,7 @@ TEST(measure_method_tells_acne_from_none) {
     CHECK(without.errors.false_shadow_ppm > 300000 && without.errors.false_shadow_ppm < 700000);
     CHECK(with.errors.false_shadow_ppm < 20000);
     CHECK(with.errors.lit > with.errors.shadowed && with.errors.shadowed > 1000);
-    CHECK(with.has_detachment && with.detachment.probed == 1000);
+    CHECK(with.detachment.probed == 1000);
     CHECK(with.ns_per_fragment > 0 && with.map_seconds > 0);
     measure_truth_destroy(&truth);
     measure_frame_destroy(&frame);

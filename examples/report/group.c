@@ -5,7 +5,6 @@
 #include "statistics.h"
 #include "stopwatch.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -118,27 +117,6 @@ static shb_result run(session *s, contender *c, uint32_t number) {
     return result ? result : ask(s, c, &c->visibility[number]);
 }
 
-static shb_result judge_detachment(session *s, const contender *c, report_row *row) {
-    const scene_contact *contact = &s->light->contact;
-    shb_detachment detachment;
-    row->detachment_texels = (double)NAN;
-    if (contact->length <= 0)
-        return SHB_OK;
-    const shb_detachment_desc desc = {.map = c->map,
-                                      .bias = &c->method->bias,
-                                      .filter = &c->filter,
-                                      .contact = contact->contact,
-                                      .direction = contact->direction,
-                                      .normal = contact->normal,
-                                      .length = contact->length,
-                                      .samples = 1000,
-                                      .receiver_id = SHB_ID_NONE};
-    const shb_result result = shb_detachment_measure(s->stage->reference, &desc, &detachment);
-    if (!result)
-        row->detachment_texels = detachment.texels;
-    return result;
-}
-
 /* What the latest run of a method said, against the truth. */
 static shb_result judge(session *s, const contender *c, report_row *row) {
     const measure_frame *frame = &s->stage->frame;
@@ -147,7 +125,13 @@ static shb_result judge(session *s, const contender *c, report_row *row) {
     row->memory_bytes = shb_map_get_info(c->map)->memory_bytes;
     const shb_result result = is_soft(s) ? report_judge_soft(frame, &s->stage->soft, row)
                                          : report_judge_hard(frame, s->truth, row);
-    return result ? result : judge_detachment(s, c, row);
+    if (result)
+        return result;
+    shb_detachment detachment;
+    const shb_result measured = measure_detachment(s->stage->reference, c->map, &c->method->bias,
+                                                   &c->filter, &s->light->contact, &detachment);
+    row->detachment_texels = detachment.texels;
+    return measured;
 }
 
 static shb_result judge_and_picture(session *s, const contender *c, report_row *row) {

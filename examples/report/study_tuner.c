@@ -48,7 +48,7 @@ static double boundary(const tuner_row *row) {
     return row->found.tuned.errors.boundary_ppm;
 }
 static double detachment(const tuner_row *row) {
-    return row->detachment_texels;
+    return row->detachment.texels;
 }
 
 static const struct {

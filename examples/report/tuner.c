@@ -101,26 +101,6 @@ double tuner_integer_depth(double depth, int bits) {
 
 /* ---- rows ---- */
 
-static shb_result detach(const tuner *t, tuner_row *row) {
-    const scene_contact *contact = &t->light->contact;
-    shb_detachment detachment;
-    row->detachment_texels = (double)NAN;
-    if (contact->length <= 0)
-        return SHB_OK;
-    const shb_detachment_desc desc = {.map = t->map,
-                                      .bias = &row->found.tuned.bias,
-                                      .contact = contact->contact,
-                                      .direction = contact->direction,
-                                      .normal = contact->normal,
-                                      .length = contact->length,
-                                      .samples = 1000,
-                                      .receiver_id = SHB_ID_NONE};
-    const shb_result result = shb_detachment_measure(t->truth.reference, &desc, &detachment);
-    if (!result)
-        row->detachment_texels = detachment.texels;
-    return result;
-}
-
 static void write_setting(const shb_bias_method *method, const shb_bias *bias, tuner_row *row) {
     int length = snprintf(row->setting, sizeof row->setting, "%s", method->name);
     for (size_t i = 0; i < SHB_PARAMS_MAX && method->param_names[i]; i++)
@@ -150,7 +130,8 @@ static shb_result tune(const tuner *t, size_t number, tuner_row *row) {
     if (!result)
         result = tuning_ask(&subject, &row->found.tuned);
     if (!result)
-        result = detach(t, row);
+        result = measure_detachment(t->truth.reference, t->map, &row->found.tuned.bias, NULL,
+                                    &t->light->contact, &row->detachment);
     row->found.met = row->found.tuned.errors.false_shadow_ppm <= t->limit_ppm;
     write_setting(method, &row->found.tuned.bias, row);
     convert(&t->units, knobs[number].unit, (double)row->found.tuned.bias.params[0], row);

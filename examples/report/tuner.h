@@ -24,7 +24,7 @@ typedef struct tuner_row {
     tuned_smallest found;
     double depth, texels, world;
     double slope_factor;
-    double detachment_texels; /* NaN: the scene has no place to measure it */
+    shb_detachment detachment; /* NaN: the scene has no place to measure it */
 } tuner_row;
 
 typedef struct tuner_result {

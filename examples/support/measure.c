@@ -4,6 +4,7 @@
 #include "statistics.h"
 #include "stopwatch.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -148,11 +149,11 @@ static shb_result time_visibility(const measure_frame *frame, const shb_map *map
     return SHB_OK;
 }
 
-static shb_result measure_detachment(const measure_truth *truth, const shb_map *map,
-                                     const shb_bias *bias, const shb_filter *filter,
-                                     const scene_contact *contact, measure_result *measured) {
-    measured->has_detachment = contact && contact->length > 0;
-    if (!measured->has_detachment)
+shb_result measure_detachment(const shb_reference *reference, const shb_map *map,
+                              const shb_bias *bias, const shb_filter *filter,
+                              const scene_contact *contact, shb_detachment *detachment) {
+    *detachment = (shb_detachment){(double)NAN, (double)NAN, 0};
+    if (!contact || contact->length <= 0)
         return SHB_OK;
     const shb_detachment_desc desc = {.map = map,
                                       .bias = bias,
@@ -163,7 +164,7 @@ static shb_result measure_detachment(const measure_truth *truth, const shb_map *
                                       .length = contact->length,
                                       .samples = 1000,
                                       .receiver_id = SHB_ID_NONE};
-    return shb_detachment_measure(truth->reference, &desc, &measured->detachment);
+    return shb_detachment_measure(reference, &desc, detachment);
 }
 
 shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_map *map,
@@ -177,7 +178,8 @@ shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_
         code = shb_errors_measure(frame->fragment_count, truth->fragments, frame->visibility,
                                   &measured.errors);
     if (!code)
-        code = measure_detachment(truth, map, bias, filter, contact, &measured);
+        code =
+            measure_detachment(truth->reference, map, bias, filter, contact, &measured.detachment);
     if (code)
         return code;
     if (frame->fragment_count)

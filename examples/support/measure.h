@@ -39,15 +39,19 @@ void measure_truth_destroy(measure_truth *truth);
 
 typedef struct measure_result {
     shb_errors errors;
-    bool has_detachment;
-    shb_detachment detachment;
-    double map_seconds; /* median of the runs, as all times */
+    shb_detachment detachment; /* as measure_detachment tells it */
+    double map_seconds;        /* median of the runs, as all times */
     double visibility_seconds;
     double ns_per_fragment; /* of visibility, on one thread */
 } measure_result;
 
-/* Draws the map for a method and asks it about every fragment, runs times each, at most 64. contact
- * may be NULL or have no length: no detachment is measured. */
+/* How far a map's shadow, drawn as it is now, has come loose at a contact. NaN where there is none:
+ * contact is NULL or has no length. filter NULL: hard. */
+shb_result measure_detachment(const shb_reference *reference, const shb_map *map,
+                              const shb_bias *bias, const shb_filter *filter,
+                              const scene_contact *contact, shb_detachment *detachment);
+
+/* Draws the map for a method and asks it about every fragment, runs times each, at most 64. */
 shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_map *map,
                           const shb_bias *bias, const shb_filter *filter,
                           const scene_contact *contact, uint32_t runs, measure_result *result);
