@@ -1,6 +1,7 @@
 /* Figure 2 of Dou et al., without any of the library's formulas: the potential occluder in a texel
  * is where the light ray through the texel's centre meets the fragment's plane. Rays come from the
  * inverse of the view's matrix, and everything is in double. */
+#include "oracle.h"
 #include "probe.h"
 #include "random.h"
 #include "test.h"
@@ -41,7 +42,7 @@ static shb_vec3 random_vector(test_random *random) {
 
 /* What the probe receives is rounded to float. */
 static shb_vec3 as_floats(shb_vec3 v) {
-    return (shb_vec3){(double)(float)v.x, (double)(float)v.y, (double)(float)v.z};
+    return (shb_vec3){oracle_float(v.x), oracle_float(v.y), oracle_float(v.z)};
 }
 
 /* A fragment about the origin that the light sees, with a plane of at most 80 degrees. */

@@ -103,8 +103,8 @@ static double miss(const bound_light *light, test_random *random, const float fl
         shb_vec3_normalize(shb_vec3_subtract(source->position, shb_vec3_scale(point, source->w)));
     if (fabs(shb_vec3_dot(normal, to_light)) < 0.001745)
         return -1;
-    const double p[3] = {(double)(float)point.x, (double)(float)point.y, (double)(float)point.z};
-    const double n[3] = {(double)(float)normal.x, (double)(float)normal.y, (double)(float)normal.z};
+    const double p[3] = {oracle_float(point.x), oracle_float(point.y), oracle_float(point.z)};
+    const double n[3] = {oracle_float(normal.x), oracle_float(normal.y), oracle_float(normal.z)};
     const shb_exact_fragment fragment = shb_exact_fragment_of(&light->map->rows, p, n);
     const double x = floor(fragment.point.x) + 0.5, y = floor(fragment.point.y) + 0.5;
     const double to_x = x - fragment.point.x, to_y = y - fragment.point.y;

@@ -54,9 +54,9 @@ void list_samples_free(list_samples *s) {
 
 void list_samples_to_float(list_samples *s) {
     for (size_t i = 0; i < s->count; i++) {
-        s->x[i] = (double)(float)s->x[i];
-        s->y[i] = (double)(float)s->y[i];
-        s->z[i] = (double)(float)s->z[i];
+        s->x[i] = oracle_float(s->x[i]);
+        s->y[i] = oracle_float(s->y[i]);
+        s->z[i] = oracle_float(s->z[i]);
     }
 }
 

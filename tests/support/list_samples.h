@@ -3,6 +3,7 @@
 #define TESTS_SUPPORT_LIST_SAMPLES_H
 
 #include "../../src/lists.h"
+#include "oracle.h"
 #include "random.h"
 #include "shadowbias/reference.h"
 #include "soup.h"

@@ -15,6 +15,13 @@ static inline oracle_real oracle_exact(double v) {
     return (oracle_real)v;
 }
 
+/* Rounded to float. gcc 12 drops both conversions where it makes a vector of two numbers that go
+ * to float and back: (double)(float)v is v there. */
+static inline double oracle_float(double v) {
+    volatile float rounded = (float)v;
+    return (double)rounded;
+}
+
 typedef struct oracle_triangle {
     uint32_t width, height;
     bool is_finite;
