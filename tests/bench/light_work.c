@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 static bool keeps_nearest(const shb_bias *bias) {
-    return !bias->combine && !(bias->needs & SHB_NEEDS_FLIPPED);
+    return !bias->combine && !(bias->needs & (SHB_NEEDS_FLIPPED | SHB_NEEDS_OCCLUDERS));
 }
 
 static shb_result run_visibility(void *state) {
@@ -61,7 +61,7 @@ static shb_result create_image(light_work *work) {
 
 static shb_result create_map(light_work *work, uint32_t map_size) {
     const example_scene *scene = work->frame->scene;
-    shb_map_desc desc = {.width = map_size};
+    shb_map_desc desc = {.width = map_size, .occluders = SHB_OCCLUDERS_PLANES};
     shb_result result = scene_light_view(scene, SCENE_DIRECTIONAL, map_size, false, &desc.view);
     if (!result)
         result = shb_map_create(work->context, &desc, &work->map);
@@ -91,7 +91,9 @@ shb_result light_work_share(shb_context *context, const light_work *original, li
                                .height = info->height,
                                .scene_scale = info->scene_scale};
     shb_result result = create_image(work);
-    if (!result)
+    if (!result && work->bias.needs & SHB_NEEDS_OCCLUDERS)
+        result = create_map(work, info->width);
+    else if (!result)
         result = shb_map_wrap(context, &desc, depth.texels, depth.stride, &work->bias, &work->map);
     if (result)
         light_work_destroy(work);

@@ -20,7 +20,7 @@ shb_result light_work_create(shb_context *context, const measure_frame *frame, u
                              const shb_bias *bias, light_work *work);
 
 /* The same for another context around the same depths; it cannot draw them, so it has no frame. It
- * lasts as long as the original keeps its method. */
+ * lasts as long as the original keeps its method. For the exact method, a map of its own. */
 shb_result light_work_share(shb_context *context, const light_work *original, light_work *work);
 
 void light_work_destroy(light_work *work);

@@ -23,6 +23,12 @@ typedef struct draw_ratio {
     bool at_least;
 } draw_ratio;
 
+/* A drawing of a map. */
+typedef struct map_work {
+    shb_map *map;
+    const shb_scene *scene;
+} map_work;
+
 static bench_row start_row(const char *name, const char *scene, const example_scene *drawn,
                            uint32_t size, const shb_context *context, double goal) {
     bench_row row = {.triangles = drawn->triangle_count,
@@ -74,6 +80,36 @@ static bool measure_draw_ratio(bench_session *session, const draw_ratio *ratio,
     return done;
 }
 
+/* A map's drawing with what the exact method asks for. */
+static shb_result run_map(void *state) {
+    map_work *work = state;
+    return shb_map_draw(work->map, work->scene, NULL, NULL);
+}
+
+static shb_result create_map(shb_context *context, const example_scene *scene,
+                             shb_occluders occluders, map_work *work) {
+    shb_map_desc desc = {.width = RATIO_SIZE, .occluders = occluders};
+    work->scene = &scene->scene;
+    const shb_result result =
+        scene_light_view(scene, SCENE_DIRECTIONAL, RATIO_SIZE, false, &desc.view);
+    return result ? result : shb_map_create(context, &desc, &work->map);
+}
+
+static bool measure_map_ratio(bench_session *session, const char *name, shb_occluders occluders,
+                              double goal, const example_scene *scene, int index) {
+    shb_context *const context = session_single(session);
+    map_work kept = {0}, plain = {0};
+    bench_row row = start_row(name, drawn_scenes[index], scene, RATIO_SIZE, context, goal);
+    bool done = session_succeeds(name, create_map(context, scene, occluders, &kept)) &&
+                session_succeeds(name, create_map(context, scene, SHB_OCCLUDERS_NONE, &plain));
+    if (done)
+        done = report_pair(session, (bench_work){run_map, &kept}, (bench_work){run_map, &plain},
+                           BENCH_CLOCK_THREAD, false, &row);
+    shb_map_destroy(kept.map);
+    shb_map_destroy(plain.map);
+    return done;
+}
+
 /* Every ratio of drawings for one scene. */
 static bool measure_drawn_scene(bench_session *session, int index) {
     shb_context *const one = session_single(session);
@@ -119,6 +155,11 @@ static bool measure_drawn_scene(bench_session *session, int index) {
     for (size_t i = 0; scene && done && i < sizeof ratios / sizeof *ratios; i++)
         if (ratios[i].first && ratios[i].second)
             done = measure_draw_ratio(session, &ratios[i], scene, index);
+    if (scene && done)
+        done = measure_map_ratio(session, "map planes/depth", SHB_OCCLUDERS_PLANES, 1.2, scene,
+                                 index) &&
+               measure_map_ratio(session, "map triangles/depth", SHB_OCCLUDERS_TRIANGLES, 1.15,
+                                 scene, index);
     scene_close(scene);
     return done;
 }
@@ -201,18 +242,17 @@ static bool measure_culled(bench_session *session) {
     return done;
 }
 
-/* The adaptive bias against the constant one. */
-static bool measure_light_ratio(bench_session *session, const char *name, double goal,
-                                const measure_frame *frame,
+/* A bias against the constant one. */
+static bool measure_light_ratio(bench_session *session, const char *name, const shb_bias *bias,
+                                double goal, const measure_frame *frame,
                                 bench_work (*work_of)(light_work *work)) {
-    const shb_bias adaptive = shb_bias_adaptive(1e-4f, 0);
     const shb_bias constant = shb_bias_constant(0.002f, SHB_UNIT_DEPTH);
     shb_context *const context = session_single(session);
     bench_row row = start_row(name, "hills", frame->scene, RATIO_SIZE, context, goal);
     row.items = (double)frame->fragment_count;
     light_work first = {0}, second = {0};
     bool done =
-        session_succeeds(name, light_work_create(context, frame, RATIO_SIZE, &adaptive, &first)) &&
+        session_succeeds(name, light_work_create(context, frame, RATIO_SIZE, bias, &first)) &&
         session_succeeds(name, light_work_create(context, frame, RATIO_SIZE, &constant, &second));
     if (done)
         done = report_pair(session, work_of(&first), work_of(&second), BENCH_CLOCK_THREAD, false,
@@ -245,14 +285,19 @@ static bool measure_hard(bench_session *session, const measure_frame *frame) {
 
 static bool measure_light_ratios(bench_session *session) {
     example_scene *scene = subject_open_if_there(NULL, "hills");
+    const shb_bias adaptive = shb_bias_adaptive(1e-4f, 0), exact = shb_bias_exact();
     measure_frame frame = {0};
     bool done = scene && session_succeeds("hills", measure_frame_create(session_single(session),
                                                                         scene, 1024, 1024, &frame));
     done = done && measure_hard(session, &frame) &&
-           measure_light_ratio(session, "test adaptive/constant", 1.5, &frame,
+           measure_light_ratio(session, "test planes/constant", &exact, 1.4, &frame,
                                light_work_visibility) &&
-           measure_light_ratio(session, "shade adaptive/constant", 1.5, &frame, light_work_shade) &&
-           measure_light_ratio(session, "frame adaptive/constant", 1.08, &frame, light_work_frame);
+           measure_light_ratio(session, "test adaptive/constant", &adaptive, 1.5, &frame,
+                               light_work_visibility) &&
+           measure_light_ratio(session, "shade adaptive/constant", &adaptive, 1.5, &frame,
+                               light_work_shade) &&
+           measure_light_ratio(session, "frame adaptive/constant", &adaptive, 1.08, &frame,
+                               light_work_frame);
     measure_frame_destroy(&frame);
     scene_close(scene);
     return done;
