@@ -61,7 +61,7 @@ static bool create_truths(soft_state *soft) {
     const shb_view *view = &shb_map_get_info(soft->map)->view;
     for (int i = 0; i < LIGHTS; i++) {
         const shb_area_light area = soft_light(view, light_widths[i], true);
-        if (!succeeds("truth", soft_truth_create(&soft->frame, &area, soft->options.samples,
+        if (!succeeds("truth", soft_truth_create(&soft->frame, view, &area, soft->options.samples,
                                                  &soft->truths[i])))
             return false;
     }

@@ -59,7 +59,7 @@ TEST(soft_truth_of_a_point_is_that_of_single_rays) {
     const shb_area_light area = soft_light(&s.light, 0, false);
     soft_truth truth;
     shb_reference *reference;
-    CHECK_INT(soft_truth_create(&s.frame, &area, 3, &truth), SHB_OK);
+    CHECK_INT(soft_truth_create(&s.frame, &s.light, &area, 3, &truth), SHB_OK);
     CHECK_INT(shb_reference_create(s.context, &s.scene->scene, &reference), SHB_OK);
     size_t lit = 0, wrong = 0, facing = 0;
     for (size_t i = 0; i < s.frame.fragment_count; i++) {
@@ -71,13 +71,38 @@ TEST(soft_truth_of_a_point_is_that_of_single_rays) {
         uint8_t occluded = 2;
         shb_reference_occluded(reference, &area.light, 1, &point, &s.frame.ids[pixel], &occluded);
         wrong += truth.visibility[pixel] != (faces && !occluded ? 1.0f : 0.0f);
-        wrong += truth.mask[pixel] != faces;
+        wrong += truth.mask[pixel] && !faces;
         lit += faces && !occluded;
         facing += faces;
     }
     CHECK_INT(wrong, 0);
     CHECK(lit > 0 && lit < facing && facing < s.frame.fragment_count);
     shb_reference_destroy(reference);
+    soft_truth_destroy(&truth);
+    close_setting(&s);
+}
+
+/* A light straight above the middle of the floor, whose view is 2 units wide there: of the
+ * fragments that face it those count that lie within 0.9 of the middle. */
+TEST(soft_errors_leave_out_what_the_map_does_not_hold) {
+    setting s;
+    open_setting(&s);
+    const shb_vec3 eye = {0, 5, 0}, target = {0, 0, 0}, up = {0, 0, -1};
+    shb_view view;
+    CHECK_INT(shb_view_orthographic(eye, target, up, 1, 1, 0.5, 9, true, &view), SHB_OK);
+    const shb_area_light area = soft_light(&view, 0.1, false);
+    soft_truth truth;
+    CHECK_INT(soft_truth_create(&s.frame, &view, &area, 1, &truth), SHB_OK);
+    size_t wrong = 0, inside = 0, outside = 0;
+    for (size_t i = 0; i < s.frame.fragment_count; i++) {
+        const float *p = s.frame.positions + 3 * i, *n = s.frame.normals + 3 * i;
+        const bool near = fabsf(p[0]) < 0.9f && fabsf(p[2]) < 0.9f;
+        wrong += truth.mask[s.frame.pixels[i]] != (near && n[1] > 0);
+        inside += near && n[1] > 0;
+        outside += !near && n[1] > 0;
+    }
+    CHECK_INT(wrong, 0);
+    CHECK(inside > 0 && outside > 0);
     soft_truth_destroy(&truth);
     close_setting(&s);
 }
@@ -89,7 +114,7 @@ TEST(soft_errors_are_those_of_fragments_that_face_the_light) {
     const shb_area_light area = soft_light(&s.light, 0.5, true);
     soft_truth truth;
     shb_soft_errors errors;
-    CHECK_INT(soft_truth_create(&s.frame, &area, 32, &truth), SHB_OK);
+    CHECK_INT(soft_truth_create(&s.frame, &s.light, &area, 32, &truth), SHB_OK);
     double dark = 0, facing = 0;
     for (size_t i = 0; i < s.frame.fragment_count; i++) {
         const uint32_t pixel = s.frame.pixels[i];

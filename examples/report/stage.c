@@ -62,22 +62,6 @@ double report_light_width(const example_scene *scene, report_light light) {
     return 2 * distance * tan(light.degrees * atan(1) / 90);
 }
 
-static bool is_well_inside(const shb_view *view, const float *position) {
-    const double *m = view->clip_from_world.m;
-    double clip[4];
-    for (int row = 0; row < 4; row++)
-        clip[row] = m[row] * (double)position[0] + m[4 + row] * (double)position[1] +
-                    m[8 + row] * (double)position[2] + m[12 + row];
-    return fmax(fabs(clip[0]), fabs(clip[1])) < 0.9 * clip[3];
-}
-
-static void leave_out_border(report_stage *stage, const shb_view *view) {
-    const measure_frame *frame = &stage->frame;
-    for (size_t i = 0; i < frame->fragment_count; i++)
-        if (!is_well_inside(view, frame->positions + 3 * i))
-            stage->soft.mask[frame->pixels[i]] = 0;
-}
-
 shb_result report_stage_soften(report_stage *stage, const shb_view *view, report_light light,
                                uint32_t samples) {
     const report_light *latest = &stage->soft_light;
@@ -86,8 +70,5 @@ shb_result report_stage_soften(report_stage *stage, const shb_view *view, report
     const shb_area_light area = soft_light(view, report_light_width(stage->scene, light), false);
     soft_truth_destroy(&stage->soft);
     stage->soft_light = light;
-    const shb_result result = soft_truth_create(&stage->frame, &area, samples, &stage->soft);
-    if (!result)
-        leave_out_border(stage, view);
-    return result;
+    return soft_truth_create(&stage->frame, view, &area, samples, &stage->soft);
 }

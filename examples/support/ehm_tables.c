@@ -53,7 +53,7 @@ static shb_result create_truths(ehm_subject *subject) {
     for (int light = 0; light < EHM_LIGHTS; light++)
         for (int disk = 0; disk < 2 && !result; disk++) {
             const shb_area_light area = soft_light(&view, light_widths[light], disk);
-            result = soft_truth_create(&subject->judged, &area, subject->desc.samples,
+            result = soft_truth_create(&subject->judged, &view, &area, subject->desc.samples,
                                        &subject->truths[light][disk]);
         }
     return result;

@@ -71,18 +71,29 @@ static shb_result follow_rays(const measure_frame *frame, const shb_area_light *
     return result;
 }
 
-static void place_truth(const measure_frame *frame, const shb_area_light *area,
-                        const fragment_points *points, soft_truth *truth) {
+static bool is_well_inside(const shb_view *view, const float *position) {
+    const double *m = view->clip_from_world.m;
+    double clip[4];
+    for (int row = 0; row < 4; row++)
+        clip[row] = m[row] * (double)position[0] + m[4 + row] * (double)position[1] +
+                    m[8 + row] * (double)position[2] + m[12 + row];
+    return fmax(fabs(clip[0]), fabs(clip[1])) < 0.9 * clip[3];
+}
+
+static void place_truth(const measure_frame *frame, const shb_view *view,
+                        const shb_area_light *area, const fragment_points *points,
+                        soft_truth *truth) {
     for (size_t i = 0; i < frame->fragment_count; i++) {
         const uint32_t pixel = frame->pixels[i];
         const shb_vec3 direction = to_light(&area->light, points->positions[i]);
         truth->visibility[pixel] = points->visibility[i];
-        truth->mask[pixel] = shb_vec3_dot(points->normals[i], direction) > 0;
+        truth->mask[pixel] = shb_vec3_dot(points->normals[i], direction) > 0 &&
+                             is_well_inside(view, frame->positions + 3 * i);
     }
 }
 
-shb_result soft_truth_create(const measure_frame *frame, const shb_area_light *area,
-                             uint32_t samples, soft_truth *truth) {
+shb_result soft_truth_create(const measure_frame *frame, const shb_view *view,
+                             const shb_area_light *area, uint32_t samples, soft_truth *truth) {
     const size_t pixel_count = (size_t)frame->frame.width * frame->frame.height;
     *truth = (soft_truth){calloc(pixel_count, sizeof(float)), calloc(pixel_count, sizeof(float)),
                           calloc(pixel_count, 1)};
@@ -93,7 +104,7 @@ shb_result soft_truth_create(const measure_frame *frame, const shb_area_light *a
     if (result)
         soft_truth_destroy(truth);
     else
-        place_truth(frame, area, &points, truth);
+        place_truth(frame, view, area, &points, truth);
     free_points(&points);
     return result;
 }

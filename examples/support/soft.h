@@ -14,12 +14,13 @@ shb_area_light soft_light(const shb_view *view, double width, bool disk);
 typedef struct soft_truth {
     float *visibility; /* the part of the light that reaches the fragment */
     float *seen;       /* the answers of a method, in the same places */
-    uint8_t *mask;     /* 1: a fragment that faces the middle of the light */
+    uint8_t *mask;     /* 1: faces the middle of the light, and its map holds what is around */
 } soft_truth;
 
-/* By samples rays a fragment. On failure *truth is empty. */
-shb_result soft_truth_create(const measure_frame *frame, const shb_area_light *area,
-                             uint32_t samples, soft_truth *truth);
+/* By samples rays a fragment. Fragments outside the view of the light's map, or in the outer tenth
+ * of it where kernels see beyond the map, are left out of the mask. On failure *truth is empty. */
+shb_result soft_truth_create(const measure_frame *frame, const shb_view *view,
+                             const shb_area_light *area, uint32_t samples, soft_truth *truth);
 void soft_truth_destroy(soft_truth *truth);
 
 /* The errors of frame->visibility, which go to truth->seen. */
