@@ -5,15 +5,27 @@
 #include "scene.h"
 #include "vector.h"
 
+#include <string.h>
+
+static void clear_table(shb_surface_table *table) {
+    table->count = 0;
+    table->lacks = false;
+}
+
 void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kernels *kernels,
-                              const shb_frame *frame, shb_light_source eye,
-                              const shb_light_source *lights, size_t light_count) {
+                              const shb_frame *frame, const shb_surface_view *view, uint32_t left) {
     reader->kernels = kernels;
     reader->frame = frame;
-    reader->view = (shb_run_view){frame->view, eye, lights, light_count};
+    reader->view = *view;
     reader->instance_count = 0;
     reader->next_instance = 0;
     reader->instance = NULL;
+    memset(reader->table.places, 0, sizeof reader->table.places);
+    clear_table(&reader->table);
+    reader->left = left;
+    for (uint32_t i = 0; i < SHB_SPAN; i++)
+        reader->centers[i] = (2.0 * (left + i) + 1.0 - frame->width) / frame->width;
+    memset(reader->centers + SHB_SPAN, 0, SHB_TABLE_MARGIN * sizeof *reader->centers);
 }
 
 static bool holds(const shb_surface_instance *instance, uint32_t id) {
@@ -53,49 +65,60 @@ bool shb_fragment_triangle(shb_fragment_reader *reader, uint32_t id,
     return true;
 }
 
-static void write_vector(double (*to)[SHB_RUNS], size_t run, shb_vec3 v) {
-    to[0][run] = v.x;
-    to[1][run] = v.y;
-    to[2][run] = v.z;
+static void write_vector(double *to, shb_vec3 v) {
+    to[0] = v.x;
+    to[1] = v.y;
+    to[2] = v.z;
 }
 
-/* A run that the kernels leave alone. */
-static void prepare_alone(shb_fragment_reader *reader, size_t run) {
-    shb_surface_runs *runs = &reader->runs;
+/* A triangle that the kernels leave alone. */
+static void prepare_alone(shb_fragment_reader *reader, uint32_t place) {
+    shb_prepared_triangle *to = &reader->table.triangles[place];
     shb_surface_triangle triangle;
-    if (!shb_fragment_triangle(reader, runs->ids[run], &triangle))
+    if (!shb_fragment_triangle(reader, reader->table.ids[place], &triangle)) {
+        reader->table.lacks = true;
         return;
-    runs->prepared[run] = 1;
-    runs->facing[run] = 0;
-    for (size_t k = 0; k < reader->view.light_count; k++)
-        runs->facing[run] |= (uint32_t)shb_surface_faces(&triangle, &reader->view.lights[k]) << k;
-    write_vector(runs->normal, run, triangle.normal);
-    write_vector(runs->corners, run, triangle.corners[0]);
-    write_vector(runs->shading, run, triangle.shading[0]);
-    for (int k = 1; k < 3; k++) {
-        write_vector(runs->corners + 3 * k, run,
-                     vec3_subtract(triangle.corners[k], triangle.corners[0]));
-        write_vector(runs->shading + 3 * k, run,
-                     vec3_subtract(triangle.shading[k], triangle.shading[0]));
     }
+    to->usable = 1;
+    to->facing = 0;
+    for (size_t k = 0; k < reader->view.light_count; k++)
+        to->facing |= (uint16_t)(shb_surface_faces(&triangle, &reader->view.lights[k]) << k);
+    write_vector(to->exact_normal, triangle.normal);
     for (int k = 0; k < 3; k++)
-        write_vector(runs->cofactors + 3 * k, run, triangle.cofactors[k]);
+        to->normal[k] = (float)to->exact_normal[k];
+    for (int k = 0; k < 3; k++)
+        write_vector(to->cofactors + 3 * k, triangle.cofactors[k]);
+    write_vector(to->corners, triangle.corners[0]);
+    write_vector(to->shading, triangle.shading[0]);
+    for (int k = 1; k < 3; k++) {
+        write_vector(to->corners + 3 * k, vec3_subtract(triangle.corners[k], triangle.corners[0]));
+        write_vector(to->shading + 3 * k, vec3_subtract(triangle.shading[k], triangle.shading[0]));
+    }
 }
 
-static inline void read_triple(float (*to)[SHB_RUNS], size_t run, const float *from) {
-    to[0][run] = from[0];
-    to[1][run] = from[1];
-    to[2][run] = from[2];
+static inline void read_triple(float (*to)[SHB_SPAN + SHB_TABLE_MARGIN], size_t i,
+                               const float *from) {
+    to[0][i] = from[0];
+    to[1][i] = from[1];
+    to[2][i] = from[2];
 }
 
-/* The vertices of runs; what these hold is asked for before any of it is read, as neighbours on the
- * screen may lie anywhere in memory. */
-static void read_vertices(const shb_surface_instance *instance, size_t first, size_t end,
-                          const shb_surface_runs *runs, uint32_t (*vertices)[3]) {
+static void prefetch_indices(const shb_surface_instance *instance, size_t count,
+                             const uint32_t *ids) {
     const shb_mesh *mesh = instance->mesh;
-    for (size_t run = first; run < end; run++) {
-        uint32_t *corners = vertices[run];
-        shb_mesh_triangle(mesh, runs->ids[run] - instance->first_id, corners);
+    const size_t size = 3 * (mesh->index_size == 2 ? 2 : 4);
+    for (size_t i = 0; mesh->indices && i < count; i++)
+        __builtin_prefetch((const char *)mesh->indices + size * (ids[i] - instance->first_id));
+}
+
+/* The vertices of triangles; what these hold is asked for before any of it is read, as neighbours
+ * on the screen may lie anywhere in memory. */
+static void read_vertices(const shb_surface_instance *instance, size_t count, const uint32_t *ids,
+                          uint32_t (*vertices)[3]) {
+    const shb_mesh *mesh = instance->mesh;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t *corners = vertices[i];
+        shb_mesh_triangle(mesh, ids[i] - instance->first_id, corners);
         for (int k = 0; k < 3; k++) {
             if (corners[k] >= mesh->vertex_count)
                 continue;
@@ -106,64 +129,39 @@ static void read_vertices(const shb_surface_instance *instance, size_t first, si
     }
 }
 
-/* Corners whose index is out of range become NaN, so that the run is left out. */
-static void read_corners(const shb_surface_instance *instance, size_t first, size_t end,
-                         shb_surface_runs *runs) {
-    static const float none[3] = {NAN, NAN, NAN}, zero[3] = {0, 0, 0};
+/* Corners whose index is out of range become NaN, so that the triangle is left out. */
+static void read_corners(const shb_surface_instance *instance, size_t count, const uint32_t *ids,
+                         shb_surface_corners *corners) {
+    static const float none[3] = {NAN, NAN, NAN};
     const shb_mesh *mesh = instance->mesh;
-    uint32_t vertices[SHB_RUNS][3];
-    read_vertices(instance, first, end, runs, vertices);
-    for (size_t run = first; run < end; run++)
+    uint32_t vertices[SHB_SPAN][3];
+    prefetch_indices(instance, count, ids);
+    read_vertices(instance, count, ids, vertices);
+    for (size_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++) {
-            const uint32_t vertex = vertices[run][k];
+            const uint32_t vertex = vertices[i][k];
             const bool exists = vertex < mesh->vertex_count;
-            read_triple(runs->positions + 3 * k, run,
+            read_triple(corners->positions + 3 * k, i,
                         exists ? shb_mesh_position(mesh, vertex) : none);
-            read_triple(runs->normals + 3 * k, run,
-                        exists && mesh->normals ? shb_mesh_normal(mesh, vertex) : zero);
+            if (mesh->normals)
+                read_triple(corners->normals + 3 * k, i,
+                            exists ? shb_mesh_normal(mesh, vertex) : none);
         }
 }
 
-/* Prepares runs first .. end - 1, all of one instance. */
-static void prepare(shb_fragment_reader *reader, size_t first, size_t end) {
-    shb_surface_runs *runs = &reader->runs;
-    const shb_surface_instance *instance = reader->instance;
-    if (first == end)
+/* Prepares the triangles from place first on, all of one instance. */
+static void prepare(shb_fragment_reader *reader, uint32_t first) {
+    shb_surface_table *table = &reader->table;
+    const size_t count = table->count - first;
+    if (count == 0)
         return;
-    read_corners(instance, first, end, runs);
-    reader->kernels->runs(&reader->view, instance, first, end, runs);
-    for (size_t run = first; run < end; run++)
-        if (!runs->prepared[run])
-            prepare_alone(reader, run);
-}
-
-/* Appends the pixels first .. end - 1 that differ from the one before; without a branch that no
- * processor could predict. */
-static size_t add_starts(const uint32_t *ids, uint32_t first, uint32_t end, uint32_t *starts,
-                         size_t found) {
-    for (uint32_t i = first; i < end; i++) {
-        starts[found] = i;
-        found += ids[i] != ids[i - 1];
-    }
-    return found;
-}
-
-/* Where the runs of equal ids begin, and at last the count; returns how many there are. */
-static size_t find_starts(const uint32_t *ids, uint32_t count, uint32_t starts[SHB_BATCH + 1]) {
-    enum { PIECE = 8 };
-    size_t found = 1;
-    uint32_t first = 1;
-    starts[0] = 0;
-    for (; first + PIECE <= count; first += PIECE) {
-        uint32_t differs = 0;
-        for (uint32_t i = first; i < first + PIECE; i++)
-            differs |= ids[i] ^ ids[i - 1];
-        if (differs)
-            found = add_starts(ids, first, first + PIECE, starts, found);
-    }
-    found = add_starts(ids, first, count, starts, found);
-    starts[found] = count;
-    return found;
+    shb_surface_corners corners;
+    read_corners(reader->instance, count, table->ids + first, &corners);
+    reader->kernels->triangles(&reader->view, reader->instance, count, &corners,
+                               table->triangles + first);
+    for (uint32_t place = first; place < table->count; place++)
+        if (!table->triangles[place].usable)
+            prepare_alone(reader, place);
 }
 
 static size_t id_stride(const shb_frame *frame) {
@@ -183,100 +181,59 @@ static const uint32_t *ids_of(const shb_frame *frame, const shb_fragment_span *s
     return ids;
 }
 
-static inline void prefetch_indices(const shb_surface_instance *instance, uint32_t id) {
-    const shb_mesh *mesh = instance->mesh;
-    if (mesh->indices)
-        __builtin_prefetch((const char *)mesh->indices +
-                           3 * (size_t)(id - instance->first_id) * (mesh->index_size == 2 ? 2 : 4));
+/* The place of a triangle in the table, where it is or to be prepared. Without a branch for whether
+ * it is, which no processor could predict. */
+static inline uint32_t find_place(shb_surface_table *table, uint32_t id) {
+    uint16_t *known = &table->places[id % SHB_TABLE];
+    const bool is_there = (*known < table->count) & (table->ids[*known] == id);
+    const uint32_t place = is_there ? *known : table->count;
+    *known = (uint16_t)place;
+    table->ids[table->count] = id;
+    table->count += !is_there;
+    return place;
 }
 
-/* Runs of the next pixels of the span that see a triangle of the scene; returns how many. Those of
- * one instance are prepared together. */
-static size_t find_runs(shb_fragment_reader *reader, shb_fragment_span *span) {
-    const uint32_t left = span->end - span->column, pixels = left < SHB_BATCH ? left : SHB_BATCH;
+/* Leaves out the runs whose triangles are not there. */
+static size_t keep_usable(const shb_surface_table *table, size_t count, shb_surface_run *runs) {
+    size_t kept = 0;
+    if (!table->lacks)
+        return count;
+    for (size_t i = 0; i < count; i++) {
+        runs[kept] = runs[i];
+        kept += table->triangles[runs[i].place].usable;
+    }
+    return kept;
+}
+
+/* Runs of the span that see a triangle of the scene; returns how many. Triangles of one instance
+ * are prepared together. */
+static size_t find_runs(shb_fragment_reader *reader, const shb_fragment_span *span,
+                        shb_surface_run *runs) {
+    shb_surface_table *table = &reader->table;
+    const uint32_t pixels = span->end - span->column;
     const uint32_t *ids = ids_of(reader->frame, span, pixels);
-    shb_surface_runs *runs = &reader->runs;
-    uint32_t starts[SHB_BATCH + 1];
-    const size_t all = find_starts(ids, pixels, starts);
-    size_t count = 0, first = 0;
+    uint8_t starts[SHB_STARTS];
+    const size_t all = reader->kernels->starts(ids, pixels, starts);
+    size_t count = 0;
+    if (table->count + all > SHB_TABLE)
+        clear_table(table);
+    uint32_t unprepared = table->count;
     for (size_t k = 0; k < all; k++) {
         const uint32_t id = ids[starts[k]];
         if (id == SHB_ID_NONE)
             continue;
         if (!reader->instance || !holds(reader->instance, id)) {
-            prepare(reader, first, count);
-            first = count;
+            prepare(reader, unprepared);
+            unprepared = table->count;
             reader->instance = find_instance(reader, id);
             if (!reader->instance)
                 continue;
         }
-        prefetch_indices(reader->instance, id);
-        runs->ids[count] = id;
-        runs->begin[count] = span->column + starts[k];
-        runs->end[count++] = span->column + starts[k + 1];
+        runs[count++] = (shb_surface_run){find_place(table, id), span->column + starts[k],
+                                          span->column + starts[k + 1]};
     }
-    prepare(reader, first, count);
-    span->column += pixels;
-    return count;
-}
-
-/* Writes count pixels of a run from fragment i on: array by array, which compilers make vectors
- * of. */
-static inline void list_piece(shb_fragment_reader *reader, size_t run, uint32_t pixel, size_t i,
-                              size_t count, shb_fragments *restrict fragments,
-                              uint32_t *restrict facing) {
-    const uint32_t id = reader->runs.ids[run], faces = reader->runs.facing[run];
-    for (size_t k = 0; k < count; k++)
-        reader->run_of[i + k] = (int32_t)run;
-    for (size_t k = 0; k < count; k++)
-        facing[i + k] = faces;
-    for (size_t k = 0; k < count; k++)
-        fragments->id[i + k] = id;
-    for (size_t k = 0; k < count; k++)
-        fragments->pixel_x[i + k] = (int32_t)(pixel + k);
-}
-
-/* The pixels of one run as fragments from number i on; returns the number of the next. Most runs
- * are short: pieces of one vector, and what is too much the next run overwrites. */
-static size_t list_run(shb_fragment_reader *reader, size_t run, size_t i, shb_fragments *fragments,
-                       uint32_t facing[SHB_BATCH]) {
-    enum { PIECE = 8 };
-    const uint32_t begin = reader->runs.begin[run];
-    const size_t end = i + (reader->runs.end[run] - begin);
-    size_t at = i;
-    for (; at < end && at + PIECE <= SHB_BATCH; at += PIECE)
-        list_piece(reader, run, begin + (uint32_t)(at - i), at, PIECE, fragments, facing);
-    if (at < end)
-        list_piece(reader, run, begin + (uint32_t)(at - i), at, end - at, fragments, facing);
-    return end;
-}
-
-/* The pixels of the runs whose triangles are there. After one that is not, the rest of the span
- * waits for the next batch, as neighbouring fragments must belong to neighbouring runs. */
-static size_t list_pixels(shb_fragment_reader *reader, size_t run_count, shb_fragment_span *span,
-                          shb_fragments *fragments, uint32_t facing[SHB_BATCH]) {
-    const shb_surface_runs *runs = &reader->runs;
-    size_t count = 0;
-    for (size_t run = 0; run < run_count; run++) {
-        if (runs->prepared[run]) {
-            count = list_run(reader, run, count, fragments, facing);
-        } else if (count) {
-            span->column = runs->end[run];
-            break;
-        }
-    }
-    return count;
-}
-
-/* Loops run over the count rounded up to whole vectors. */
-static void pad(size_t count, int32_t run_of[SHB_BATCH], shb_fragments *fragments,
-                uint32_t facing[SHB_BATCH]) {
-    for (size_t i = count; i % SHB_LANES; i++) {
-        run_of[i] = run_of[count - 1];
-        facing[i] = facing[count - 1];
-        fragments->id[i] = fragments->id[count - 1];
-        fragments->pixel_x[i] = fragments->pixel_x[count - 1];
-    }
+    prepare(reader, unprepared);
+    return keep_usable(table, count, runs);
 }
 
 /* A fragment whose pixel's centre lies outside of its triangle. */
@@ -306,23 +263,41 @@ static bool has_nan(size_t count, const float *values) {
     return found != 0;
 }
 
-size_t shb_fragments_read(shb_fragment_reader *reader, shb_fragment_span *span,
+/* Loops run over the count rounded up to whole vectors. */
+static void pad(size_t count, shb_fragments *f, uint32_t *facing) {
+    float *const arrays[] = {f->x,         f->y,        f->z,         f->normal_x,
+                             f->normal_y,  f->normal_z, f->shading_x, f->shading_y,
+                             f->shading_z, f->weight_1, f->weight_2};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        for (size_t i = count; i < count + SHB_LANES; i++)
+            arrays[k][i] = arrays[k][count - 1];
+    for (size_t i = count; i < count + SHB_LANES; i++) {
+        f->id[i] = f->id[count - 1];
+        f->pixel_x[i] = f->pixel_x[count - 1];
+        facing[i] = facing[count - 1];
+    }
+}
+
+size_t shb_fragments_read(shb_fragment_reader *reader, const shb_fragment_span *span,
                           shb_fragments *fragments, uint32_t facing[SHB_BATCH]) {
-    SHB_ALIGN float outside[SHB_BATCH];
-    size_t count = 0;
-    while (count == 0 && span->column < span->end)
-        count = list_pixels(reader, find_runs(reader, span), span, fragments, facing);
-    if (count == 0)
+    const shb_frame *frame = reader->frame;
+    shb_surface_run runs[SHB_SPAN];
+    SHB_ALIGN float outside[SHB_SPAN + SHB_TABLE_MARGIN];
+    const size_t run_count = find_runs(reader, span, runs);
+    if (run_count == 0)
         return 0;
-    pad(count, reader->run_of, fragments, facing);
-    const size_t lanes = shb_round_to_lanes(count);
-    for (size_t i = 0; i < lanes; i++)
+    size_t count = 0;
+    for (size_t i = 0; i < run_count; i++)
+        count += runs[i].end - runs[i].begin;
+    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
         fragments->pixel_y[i] = (int32_t)span->row;
-    const shb_pixel_row row = {reader->frame->width, reader->frame->height, span->row};
-    reader->kernels->fragments(&row, count, &reader->runs, reader->run_of, fragments, outside);
-    if (has_nan(lanes, outside))
-        for (size_t i = 0; i < lanes; i++)
+    const shb_pixel_row row = {(frame->height - 2.0 * span->row - 1) / frame->height,
+                               reader->centers, reader->left};
+    reader->kernels->fragments(&row, run_count, runs, &reader->table, fragments, facing, outside);
+    if (has_nan(count, outside))
+        for (size_t i = 0; i < count; i++)
             if (isnan(outside[i]))
                 read_nearest(reader, i, fragments);
+    pad(count, fragments, facing);
     return count;
 }

@@ -11,30 +11,31 @@ enum { SHB_FRAGMENT_INSTANCES = 16 };
 typedef struct shb_fragment_reader {
     const shb_shade_kernels *kernels;
     const shb_frame *frame;
-    shb_run_view view;
+    shb_surface_view view;
     shb_surface_instance instances[SHB_FRAGMENT_INSTANCES];
     size_t instance_count, next_instance; /* the one to be replaced next */
     const shb_surface_instance *instance; /* of the last triangle, or NULL */
-    shb_surface_runs runs;
-    int32_t run_of[SHB_BATCH]; /* of the latest batch, filled up to whole vectors */
+    shb_surface_table table;
+    uint32_t left; /* the first column of what is read */
+    double centers[SHB_SPAN + SHB_TABLE_MARGIN];
 } shb_fragment_reader;
 
-/* Pixels of a row; at most SHB_BATCH of them are read at once. */
+/* Pixels column .. end - 1 of a row. */
 typedef struct shb_fragment_span {
     uint32_t row, column, end;
 } shb_fragment_span;
 
+/* Makes a reader of spans that lie in the SHB_SPAN columns from left on. */
 void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kernels *kernels,
-                              const shb_frame *frame, shb_light_source eye,
-                              const shb_light_source *lights, size_t light_count);
+                              const shb_frame *frame, const shb_surface_view *view, uint32_t left);
 
-/* Reads the next batch of the span and moves its column behind it. Returns the number of fragments,
- * 0 at the end of the span. facing[i] tells which lights fragment i's triangle faces. */
-size_t shb_fragments_read(shb_fragment_reader *reader, shb_fragment_span *span,
+/* Reads the fragments of a span and returns their number. facing[i] tells which lights fragment i's
+ * triangle faces. */
+size_t shb_fragments_read(shb_fragment_reader *reader, const shb_fragment_span *span,
                           shb_fragments *fragments, uint32_t facing[SHB_BATCH]);
 
-/* A triangle of the frame, its normal as in shb_surface_runs. False: the scene has none such, or
- * none to be drawn. */
+/* A triangle of the frame, its normal as in shb_prepared_triangle. False: the scene has none such,
+ * or none to be drawn. */
 bool shb_fragment_triangle(shb_fragment_reader *reader, uint32_t id,
                            shb_surface_triangle *triangle);
 

@@ -13,14 +13,14 @@
 #include "terminator.h"
 #include "visibility.h"
 
-/* Pixels of a task: rows enough to meet triangles again, narrow enough to keep those of a row. */
-enum { TASK_COLUMNS = SHB_BATCH, TASK_ROWS = 32 };
+/* Pixels of a task: rows enough to meet triangles again. */
+enum { TASK_COLUMNS = SHB_SPAN, TASK_ROWS = 32 };
 
 /* One call of shb_shade, shared by its tasks. */
 typedef struct shading {
     const shb_shade_desc *desc;
-    shb_light_source eye;
     shb_light_source lights[SHB_LIGHTS_MAX];
+    shb_surface_view view;
     shb_filter filters[SHB_LIGHTS_MAX];
     const shb_shade_kernels *kernels;
     uint8_t background[3 * TASK_COLUMNS]; /* a row of a task */
@@ -215,14 +215,13 @@ static void shade_block(void *arg, size_t index) {
     const uint32_t left = (uint32_t)index % job->tasks_across * TASK_COLUMNS;
     const uint32_t right = min_u32(left + TASK_COLUMNS, frame->width);
     workspace work;
-    shb_fragment_reader_init(&work.reader, job->kernels, frame, job->eye, job->lights,
-                             job->desc->light_count);
+    shb_fragment_reader_init(&work.reader, job->kernels, frame, &job->view, left);
     for (uint32_t row = top; row < bottom; row++) {
-        shb_fragment_span span = {row, left, right};
+        const shb_fragment_span span = {row, left, right};
         if (job->desc->image.pixels)
             clear_span(job, &span);
-        size_t count;
-        while ((count = shb_fragments_read(&work.reader, &span, &work.fragments, work.facing)) > 0)
+        const size_t count = shb_fragments_read(&work.reader, &span, &work.fragments, work.facing);
+        if (count)
             shade_batch(job, count, &work);
     }
 }
@@ -236,8 +235,11 @@ shb_result shb_shade(shb_context *context, const shb_shade_desc *desc) {
     shading job = {.desc = desc,
                    .kernels = context->shade_kernels,
                    .tasks_across = (desc->frame.width + TASK_COLUMNS - 1) / TASK_COLUMNS};
-    if (shb_view_light_source(desc->frame.view, &job.eye) != SHB_OK)
+    if (shb_view_light_source(desc->frame.view, &job.view.eye) != SHB_OK)
         return fail(context, SHB_ERROR_NUMBER, "desc.frame.view cannot be inverted");
+    job.view.camera = desc->frame.view;
+    job.view.lights = job.lights;
+    job.view.light_count = desc->light_count;
     for (size_t k = 0; k < desc->light_count; k++) {
         job.lights[k] = shb_map_get_info(desc->lights[k].map)->light;
         job.filters[k] = desc->lights[k].filter ? *desc->lights[k].filter : shb_filter_hard();

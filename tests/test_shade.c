@@ -624,7 +624,7 @@ static void count_sizes(const shb_shade_args *args) {
 }
 
 TEST(shade_batches_are_full_until_the_row_ends) {
-    /* A covered row of 1000 is 256 + 256 + 256 + 232; 257 are 256 + 1. */
+    /* A covered row of 1000 is seven times 128 and 104; 257 are 128 + 128 + 1. */
     quad q;
     quad_init(&q, 4, 0);
     uint32_t ids[1000] = {0};
@@ -635,11 +635,11 @@ TEST(shade_batches_are_full_until_the_row_ends) {
     shb_context *context = new_context(1);
     shb_shade_desc desc = {.frame = q.frame, .shade = count_sizes, .user = &sizes};
     CHECK_INT(shb_shade(context, &desc), SHB_OK);
-    CHECK_INT(counts[256], 3);
-    CHECK_INT(counts[232], 1);
+    CHECK_INT(counts[128], 7);
+    CHECK_INT(counts[104], 1);
     desc.frame.width = 257;
     CHECK_INT(shb_shade(context, &desc), SHB_OK);
-    CHECK_INT(counts[256], 4);
+    CHECK_INT(counts[128], 9);
     CHECK_INT(counts[1], 1);
     shb_context_destroy(context);
 }

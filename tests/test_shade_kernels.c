@@ -1,5 +1,6 @@
 /* Every instruction set has to shade with the very bits of the scalar kernels. */
 #include "../src/context.h"
+#include "../src/surface.h"
 
 #include "depth_map.h"
 #include "random.h"
@@ -352,4 +353,37 @@ static void check_frames(bool has_normals) {
 TEST(shade_kernels_shade_frames_with_scalar_bits_on_any_threads) {
     check_frames(true);
     check_frames(false);
+}
+
+/* The fragment of a pixel, by the formulas of one triangle at a time. */
+static void check_fragment(const frame_case *f, uint32_t column, uint32_t row, const float *actual,
+                           unsigned *wrong) {
+    static const float none[3] = {0};
+    shb_surface_triangle triangle;
+    double weights[3];
+    if (!shb_surface_prepare(&f->scene, &f->view, f->ids[row * WIDTH + column], &triangle)) {
+        *wrong += memcmp(actual, none, sizeof none) != 0;
+        return;
+    }
+    shb_surface_weights(&triangle, WIDTH, HEIGHT, column, row, weights);
+    const shb_vec3 point = shb_surface_point(&triangle, weights);
+    const float expected[3] = {(float)point.x, (float)point.y, (float)point.z};
+    *wrong += memcmp(actual, expected, sizeof expected) != 0 || actual[9] != (float)weights[1] ||
+              actual[10] != (float)weights[2];
+}
+
+TEST(shade_fragments_are_right_however_many_triangles_a_block_sees) {
+    /* Most of 1400 triangles and some that are not there, in no order. */
+    frame_case *f = new_frame(true);
+    test_random random = {23};
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        f->ids[i] = random_below(&random, 2 * TRIANGLES + 9);
+    frame_outcome *made = shade_frame(f, SHB_ISA_BEST, 1);
+    unsigned wrong = 0;
+    for (uint32_t row = 0; row < HEIGHT; row++)
+        for (uint32_t column = 0; column < WIDTH; column++)
+            check_fragment(f, column, row, made->fragments[row * WIDTH + column], &wrong);
+    CHECK_INT(wrong, 0);
+    free(made);
+    free(f);
 }

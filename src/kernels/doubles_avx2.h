@@ -13,24 +13,11 @@ static inline wd wd_splat(double value) {
 static inline wd wd_load_floats(const float *p) {
     return _mm256_cvtps_pd(_mm_loadu_ps(p));
 }
-static inline wd wd_load_ints(const int32_t *p) {
-    return _mm256_cvtepi32_pd(_mm_loadu_si128((const __m128i *)(const void *)p));
-}
 static inline wd wd_load(const double *p) {
     return _mm256_loadu_pd(p);
 }
 static inline void wd_store(double *p, wd v) {
     _mm256_storeu_pd(p, v);
-}
-/* Halves of doubles are what a permutation across lanes moves: element k is halves 2k and 2k + 1.
- */
-static inline wd wd_spread(const double *table, const int32_t *indices) {
-    const __m128i steps = _mm_sub_epi32(_mm_loadu_si128((const __m128i *)(const void *)indices),
-                                        _mm_set1_epi32(indices[0]));
-    const __m256i low = _mm256_slli_epi64(_mm256_cvtepi32_epi64(steps), 1);
-    const __m256i high = _mm256_slli_epi64(_mm256_add_epi64(low, _mm256_set1_epi64x(1)), 32);
-    const __m256 halves = _mm256_castpd_ps(_mm256_loadu_pd(table + indices[0]));
-    return _mm256_castps_pd(_mm256_permutevar8x32_ps(halves, _mm256_or_si256(low, high)));
 }
 static inline void wd_store_floats(float *p, wd v) {
     _mm_storeu_ps(p, _mm256_cvtpd_ps(v));

@@ -13,19 +13,11 @@ static inline wd wd_splat(double value) {
 static inline wd wd_load_floats(const float *p) {
     return _mm512_cvtps_pd(_mm256_loadu_ps(p));
 }
-static inline wd wd_load_ints(const int32_t *p) {
-    return _mm512_cvtepi32_pd(_mm256_loadu_si256((const __m256i *)(const void *)p));
-}
 static inline wd wd_load(const double *p) {
     return _mm512_loadu_pd(p);
 }
 static inline void wd_store(double *p, wd v) {
     _mm512_storeu_pd(p, v);
-}
-static inline wd wd_spread(const double *table, const int32_t *indices) {
-    const __m256i steps = _mm256_sub_epi32(
-        _mm256_loadu_si256((const __m256i *)(const void *)indices), _mm256_set1_epi32(indices[0]));
-    return _mm512_permutexvar_pd(_mm512_cvtepi32_epi64(steps), _mm512_loadu_pd(table + indices[0]));
 }
 static inline void wd_store_floats(float *p, wd v) {
     _mm256_storeu_ps(p, _mm512_cvtpd_ps(v));

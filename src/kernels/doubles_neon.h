@@ -13,18 +13,11 @@ static inline wd wd_splat(double value) {
 static inline wd wd_load_floats(const float *p) {
     return vcvt_f64_f32(vld1_f32(p));
 }
-static inline wd wd_load_ints(const int32_t *p) {
-    return vcvtq_f64_s64(vmovl_s32(vld1_s32(p)));
-}
 static inline wd wd_load(const double *p) {
     return vld1q_f64(p);
 }
 static inline void wd_store(double *p, wd v) {
     vst1q_f64(p, v);
-}
-static inline wd wd_spread(const double *table, const int32_t *indices) {
-    const double pair[2] = {table[indices[0]], table[indices[1]]};
-    return vld1q_f64(pair);
 }
 static inline void wd_store_floats(float *p, wd v) {
     vst1_f32(p, vcvt_f32_f64(v));

@@ -12,19 +12,11 @@ static inline wd wd_splat(double value) {
 static inline wd wd_load_floats(const float *p) {
     return (double)*p;
 }
-static inline wd wd_load_ints(const int32_t *p) {
-    return (double)*p;
-}
 static inline wd wd_load(const double *p) {
     return *p;
 }
 static inline void wd_store(double *p, wd v) {
     *p = v;
-}
-/* The elements of a table that as many indices name, each the one before or the next: no more of
- * the table than a vector from the first one on. */
-static inline wd wd_spread(const double *table, const int32_t *indices) {
-    return table[indices[0]];
 }
 static inline void wd_store_floats(float *p, wd v) {
     *p = (float)v;

@@ -13,17 +13,11 @@ static inline wd wd_splat(double value) {
 static inline wd wd_load_floats(const float *p) {
     return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(const void *)p)));
 }
-static inline wd wd_load_ints(const int32_t *p) {
-    return _mm_cvtepi32_pd(_mm_loadl_epi64((const __m128i *)(const void *)p));
-}
 static inline wd wd_load(const double *p) {
     return _mm_loadu_pd(p);
 }
 static inline void wd_store(double *p, wd v) {
     _mm_storeu_pd(p, v);
-}
-static inline wd wd_spread(const double *table, const int32_t *indices) {
-    return _mm_setr_pd(table[indices[0]], table[indices[1]]);
 }
 static inline void wd_store_floats(float *p, wd v) {
     _mm_storel_epi64((__m128i *)(void *)p, _mm_castps_si128(_mm_cvtpd_ps(v)));

@@ -1,61 +1,116 @@
-/* Fragments of a row of pixels from the runs that they belong to: the formulas of surface.c. */
+/* Fragments of a row of pixels from the triangles that they see: the formulas of surface.c. */
 
-#define SPREAD(field) wd_spread(runs->field, run_of + i)
+/* Appends the numbers of the bits that are set, of four from number first on. */
+static inline ALWAYS_INLINE size_t add_bits(uint32_t bits, uint32_t first, uint8_t *numbers,
+                                            size_t found) {
+    static const uint8_t set[16][4] = {{0},    {0},       {1},       {0, 1},      {2},    {0, 2},
+                                       {1, 2}, {0, 1, 2}, {3},       {0, 3},      {1, 3}, {0, 1, 3},
+                                       {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+    static const uint8_t counts[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+    uint32_t four;
+    memcpy(&four, set[bits], sizeof four);
+    four += first * 0x01010101u;
+    memcpy(numbers + found, &four, sizeof four);
+    return found + counts[bits];
+}
+
+static size_t find_starts(const uint32_t *ids, size_t count, uint8_t starts[SHB_STARTS]) {
+    size_t found = 1, i = 1;
+    starts[0] = 0;
+    for (; i + WIDE <= count; i += WIDE) {
+        const uint32_t bits =
+            vi_bits(vi_load((const int32_t *)ids + i) != vi_load((const int32_t *)ids + i - 1));
+        if (bits)
+            for (uint32_t k = 0; k < WIDE; k += 4)
+                found = add_bits(bits >> k & 15, (uint32_t)i + k, starts, found);
+    }
+    for (; i < count; i++) {
+        starts[found] = (uint8_t)i;
+        found += ids[i] != ids[i - 1];
+    }
+    starts[found] = (uint8_t)count;
+    return found;
+}
 
 /* first + b * way_1 + c * way_2 for one axis of a first vector and the ways to two others. */
-#define COMBINE(field, axis)                                                                       \
-    combine(SPREAD(field[axis]), SPREAD(field[3 + axis]), SPREAD(field[6 + axis]), b, c)
-
-static inline ALWAYS_INLINE wd combine(wd first, wd way_1, wd way_2, wd b, wd c) {
-    return first + (b * way_1 + c * way_2);
+static inline ALWAYS_INLINE wd combine(const double *from, int axis, wd b, wd c) {
+    return wd_splat(from[axis]) + (b * from[3 + axis] + c * from[6 + axis]);
 }
 
-static inline ALWAYS_INLINE wd weight_of(const shb_surface_runs *runs, const int32_t *run_of,
-                                         size_t i, int corner, wd center_x, double center_y) {
-    return SPREAD(cofactors[3 * corner]) * center_x + SPREAD(cofactors[3 * corner + 1]) * center_y +
-           SPREAD(cofactors[3 * corner + 2]);
+static inline ALWAYS_INLINE wd weight_of(const double *line, wd center_x, double center_y) {
+    return line[0] * center_x + wd_splat(line[1] * center_y) + line[2];
 }
 
-/* NaN in outside[i]: the pixel's centre lies outside of its triangle, and the fragment is not
- * right. */
-static void read_fragments(const shb_pixel_row *row, size_t count, const shb_surface_runs *runs,
-                           const int32_t *run_of, shb_fragments *restrict out,
-                           float *restrict outside) {
+/* The mesh's normal, on the side of the triangle's own. */
+static inline ALWAYS_INLINE void write_smooth(const shb_prepared_triangle *triangle, wd b, wd c,
+                                              shb_fragments *restrict out, size_t i) {
     const wd zero = wd_splat(0.0), one = wd_splat(1.0), none = wd_splat((double)NAN);
-    const double width = row->width, height = row->height;
-    const double center_y = (height - 2.0 * row->row - 1) / height;
-    const size_t lanes = shb_round_to_lanes(count);
-    for (size_t i = 0; i < lanes; i += DOUBLES) {
-        const wd center_x = (2.0 * wd_load_ints(out->pixel_x + i) + 1.0 - width) / width;
-        const wd weight_0 = weight_of(runs, run_of, i, 0, center_x, center_y);
-        const wd weight_1 = weight_of(runs, run_of, i, 1, center_x, center_y);
-        const wd weight_2 = weight_of(runs, run_of, i, 2, center_x, center_y);
-        const wd sum = weight_0 + weight_1 + weight_2;
-        const wd least = wd_min(wd_min(weight_0, weight_1), weight_2);
-        const wd usable = wd_where_greater(sum, zero, sum, none) * 0.0; /* 0 or NaN */
-        wd_store_floats(outside + i, wd_where_greater(zero, least, none, usable));
+    const wd x = combine(triangle->shading, 0, b, c), y = combine(triangle->shading, 1, b, c);
+    const wd z = combine(triangle->shading, 2, b, c);
+    const double *normal = triangle->exact_normal;
+    const wd length = wd_sqrt(x * x + y * y + z * z);
+    const wd good = wd_where_greater(length, zero, length, none) * 0.0; /* 0 or NaN */
+    const wd along = normal[0] * x + normal[1] * y + normal[2] * z;
+    const wd scale = wd_where_greater(zero, along, wd_splat(-1.0), one) / length;
+    wd_store_floats(out->shading_x + i, wd_where_equal(good, zero, x * scale, wd_splat(normal[0])));
+    wd_store_floats(out->shading_y + i, wd_where_equal(good, zero, y * scale, wd_splat(normal[1])));
+    wd_store_floats(out->shading_z + i, wd_where_equal(good, zero, z * scale, wd_splat(normal[2])));
+}
 
-        const wd b = weight_1 / sum, c = weight_2 / sum;
-        wd_store_floats(out->weight_1 + i, b);
-        wd_store_floats(out->weight_2 + i, c);
-        wd_store_floats(out->x + i, COMBINE(corners, 0));
-        wd_store_floats(out->y + i, COMBINE(corners, 1));
-        wd_store_floats(out->z + i, COMBINE(corners, 2));
+/* DOUBLES fragments of one triangle; NaN in outside[i] where a centre lies outside of it. */
+static inline ALWAYS_INLINE void write_fragments(const shb_prepared_triangle *triangle, wd center_x,
+                                                 double center_y, shb_fragments *restrict out,
+                                                 float *restrict outside, size_t i) {
+    const wd zero = wd_splat(0.0), none = wd_splat((double)NAN);
+    const double *lines = triangle->cofactors;
+    const wd weight_0 = weight_of(lines, center_x, center_y);
+    const wd weight_1 = weight_of(lines + 3, center_x, center_y);
+    const wd weight_2 = weight_of(lines + 6, center_x, center_y);
+    const wd sum = weight_0 + weight_1 + weight_2;
+    const wd least = wd_min(wd_min(weight_0, weight_1), weight_2);
+    const wd usable = wd_where_greater(sum, zero, sum, none) * 0.0; /* 0 or NaN */
+    wd_store_floats(outside + i, wd_where_greater(zero, least, none, usable));
 
-        const wd normal_x = SPREAD(normal[0]), normal_y = SPREAD(normal[1]);
-        const wd normal_z = SPREAD(normal[2]);
-        wd_store_floats(out->normal_x + i, normal_x);
-        wd_store_floats(out->normal_y + i, normal_y);
-        wd_store_floats(out->normal_z + i, normal_z);
+    const wd b = weight_1 / sum, c = weight_2 / sum;
+    wd_store_floats(out->weight_1 + i, b);
+    wd_store_floats(out->weight_2 + i, c);
+    wd_store_floats(out->x + i, combine(triangle->corners, 0, b, c));
+    wd_store_floats(out->y + i, combine(triangle->corners, 1, b, c));
+    wd_store_floats(out->z + i, combine(triangle->corners, 2, b, c));
+    for (size_t k = 0; k < DOUBLES; k++) {
+        out->normal_x[i + k] = triangle->normal[0];
+        out->normal_y[i + k] = triangle->normal[1];
+        out->normal_z[i + k] = triangle->normal[2];
+    }
+    if (triangle->smooth) {
+        write_smooth(triangle, b, c, out, i);
+        return;
+    }
+    for (size_t k = 0; k < DOUBLES; k++) {
+        out->shading_x[i + k] = triangle->normal[0];
+        out->shading_y[i + k] = triangle->normal[1];
+        out->shading_z[i + k] = triangle->normal[2];
+    }
+}
 
-        const wd x = COMBINE(shading, 0), y = COMBINE(shading, 1), z = COMBINE(shading, 2);
-        const wd length = wd_sqrt(x * x + y * y + z * z);
-        const wd good = wd_where_greater(length, zero, length, none) * 0.0; /* 0 or NaN */
-        const wd along = normal_x * x + normal_y * y + normal_z * z;
-        const wd scale = wd_where_greater(zero, along, wd_splat(-1.0), one) / length;
-        wd_store_floats(out->shading_x + i, wd_where_equal(good, zero, x * scale, normal_x));
-        wd_store_floats(out->shading_y + i, wd_where_equal(good, zero, y * scale, normal_y));
-        wd_store_floats(out->shading_z + i, wd_where_equal(good, zero, z * scale, normal_z));
+/* What is too much behind a run the next one overwrites. */
+static void read_fragments(const shb_pixel_row *row, size_t run_count, const shb_surface_run *runs,
+                           const shb_surface_table *table, shb_fragments *restrict out,
+                           uint32_t *restrict facing, float *restrict outside) {
+    size_t first = 0;
+    for (size_t r = 0; r < run_count; r++) {
+        const shb_surface_run run = runs[r];
+        const shb_prepared_triangle *triangle = &table->triangles[run.place];
+        const double *centers = row->centers + (run.begin - row->first);
+        const size_t count = run.end - run.begin;
+        for (size_t k = 0; k < count; k += DOUBLES)
+            write_fragments(triangle, wd_load(centers + k), row->center_y, out, outside, first + k);
+        for (size_t k = 0; k < count; k += WIDE) {
+            vi_store(out->pixel_x + first + k, (int32_t)(run.begin + k) + vi_lanes());
+            vi_store((int32_t *)out->id + first + k, vi_splat((int32_t)table->ids[run.place]));
+            vi_store((int32_t *)facing + first + k, vi_splat(triangle->facing));
+        }
+        first += count;
     }
 }
 

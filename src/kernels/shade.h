@@ -4,12 +4,13 @@
 #define SRC_KERNELS_SHADE_H
 
 #include "../pcss.h"
-#include "../surface_runs.h"
+#include "../surface_table.h"
 
-/* A row of pixels of a frame of this size. */
+/* A row of pixels: ndc y of their centres, and ndc x of those from the first one on. */
 typedef struct shb_pixel_row {
-    uint32_t width, height;
-    uint32_t row;
+    double center_y;
+    const double *centers;
+    uint32_t first;
 } shb_pixel_row;
 
 typedef struct shb_shade_kernels {
@@ -48,16 +49,20 @@ typedef struct shb_shade_kernels {
     shb_bias_fn *constant, *slope, *angle, *receiver_plane, *adaptive, *adaptive_soft;
     shb_bias_fn *normal_offset, *normal_offset_depth, *texel_cone;
 
-    /* Prepares the triangles of runs first .. end - 1, all of one instance, whose positions and
-     * normals are written. */
-    void (*runs)(const shb_run_view *view, const shb_surface_instance *instance, size_t first,
-                 size_t end, shb_surface_runs *runs);
+    /* Where runs of equal ids begin among count, at most SHB_SPAN, and at last the count; returns
+     * how many there are. */
+    size_t (*starts)(const uint32_t *ids, size_t count, uint8_t starts[SHB_STARTS]);
 
-    /* Fragments of pixels whose pixel_x is written; run_of[i] is the run of fragment i, that of the
-     * fragment before or the next one; their triangles are prepared. outside[i] is NaN where the
-     * pixel's centre lies outside of it: that fragment is not right yet. */
-    void (*fragments)(const shb_pixel_row *row, size_t count, const shb_surface_runs *runs,
-                      const int32_t *run_of, shb_fragments *fragments, float *outside);
+    /* Prepares count triangles of one instance, whose corners are read. */
+    void (*triangles)(const shb_surface_view *view, const shb_surface_instance *instance,
+                      size_t count, const shb_surface_corners *corners,
+                      shb_prepared_triangle *triangles);
+
+    /* Fragments of the runs of a row, whose triangles are there: all but pixel_y. outside[i] is NaN
+     * where the pixel's centre lies outside of its triangle: that fragment is not right yet. */
+    void (*fragments)(const shb_pixel_row *row, size_t run_count, const shb_surface_run *runs,
+                      const shb_surface_table *table, shb_fragments *fragments, uint32_t *facing,
+                      float *outside);
 
     /* Writes the cosines of light number number, and takes the visibility away from triangles that
      * do not face it. */
