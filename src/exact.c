@@ -2,7 +2,7 @@
 
 #include "exact.h"
 
-#include "exact_walk.h"
+#include "exact_triangles.h"
 #include "format.h"
 #include "half.h"
 #include "kernels/sheets.h"
@@ -141,85 +141,6 @@ static void ask_lists(const shb_lists *lists, size_t count, const shb_receivers 
     shb_lists_query(lists, &points, visibility);
 }
 
-/* What the walks from the four nearest samples say of a fragment. */
-typedef enum walk_answer { WALK_LOST, WALK_OWN, WALK_SHADOWED } walk_answer;
-
-/* A triangle that covers the fragment's own ray: in front of it, or its own surface, as far as
- * rounding can tell. One behind it says nothing. */
-static walk_answer compare_depth(const shb_occluder_plane *plane, const shb_light_point *point) {
-    const double depth = shb_occluder_depth(plane, point->x, point->y);
-    const double error = shb_light_point_error(point, plane->slope_x, plane->slope_y);
-    if (point->z - (depth + plane->error) > error)
-        return WALK_SHADOWED;
-    return point->z - (depth - plane->error) >= -error ? WALK_OWN : WALK_LOST;
-}
-
-static bool is_known(const uint32_t *ids, int count, uint32_t id) {
-    for (int i = 0; i < count; i++)
-        if (ids[i] == id)
-            return true;
-    return false;
-}
-
-static walk_answer ask_walks(const shb_map *map, const shb_light_point *point, int32_t left,
-                             int32_t top) {
-    const double at[2] = {point->x, point->y};
-    uint32_t ids[4];
-    walk_answer answer = WALK_LOST;
-    for (int k = 0; k < 4; k++) {
-        const int32_t column = left + (k & 1), row = top + (k >> 1);
-        const bool inside = (uint32_t)column < map->info.width && (uint32_t)row < map->info.height;
-        ids[k] = inside ? shb_occluder_row(map, row)[column] : SHB_ID_NONE;
-        if (ids[k] == SHB_ID_NONE || is_known(ids, k, ids[k]))
-            continue;
-        const double center[2] = {column + 0.5, row + 0.5};
-        const uint32_t arrived = shb_exact_walk(&map->occluders.mesh, ids[k], center, at);
-        if (arrived == SHB_ID_NONE)
-            continue;
-        const walk_answer said = compare_depth(&map->occluders.planes[arrived], point);
-        answer = said > answer ? said : answer;
-    }
-    return answer;
-}
-
-/* The stored triangle's own plane; nothing but its set-up is rounded. */
-static shb_exact_sample sample_of_plane(const shb_occluder_plane *plane, int32_t column,
-                                        int32_t row) {
-    const double x = column + 0.5, y = row + 0.5;
-    return (shb_exact_sample){.center_x = x,
-                              .center_y = y,
-                              .depth = shb_occluder_depth(plane, x, y) + plane->error,
-                              .slope_x = plane->slope_x,
-                              .slope_y = plane->slope_y};
-}
-
-static void ask_triangles(const shb_map *map, size_t lanes, const shb_receivers *receivers,
-                          float *visibility) {
-    exact_places places = {0};
-    find_places(&map->rows, lanes, receivers, &places);
-    for (size_t i = 0; i < lanes; i++) {
-        visibility[i] = 1;
-        const int32_t column = places.column[i], row = places.row[i];
-        if ((uint32_t)column >= map->info.width || (uint32_t)row >= map->info.height)
-            continue;
-        const double position[3] = {(double)receivers->x[i], (double)receivers->y[i],
-                                    (double)receivers->z[i]};
-        const shb_light_point point = shb_light_point_at(&map->rows, position, SHB_FLOAT_ROUNDING);
-        const int32_t left = column - (places.x[i] - column < 0.5);
-        const int32_t top = row - (places.y[i] - row < 0.5);
-        const walk_answer answer = ask_walks(map, &point, left, top);
-        const uint32_t id = shb_occluder_row(map, row)[column];
-        if (answer == WALK_SHADOWED) {
-            visibility[i] = 0;
-        } else if (answer == WALK_LOST && id != SHB_ID_NONE) {
-            const shb_exact_fragment fragment = read_fragment(map, receivers, i);
-            const shb_exact_sample sample =
-                sample_of_plane(&map->occluders.planes[id], column, row);
-            visibility[i] = shb_exact_is_shadowed(&fragment, &sample) ? 0.0f : 1.0f;
-        }
-    }
-}
-
 /* By all that the map keeps for the exact method; nothing held: an empty map. */
 static void ask_occluders(const shb_map *map, size_t lanes, const shb_receivers *receivers,
                           float *visibility) {
@@ -227,7 +148,7 @@ static void ask_occluders(const shb_map *map, size_t lanes, const shb_receivers 
     if (map->lists) {
         ask_lists(map->lists, lanes, receivers, visibility);
     } else if (map->occluders.held) {
-        (walks ? ask_triangles : ask_planes)(map, lanes, receivers, visibility);
+        (walks ? shb_exact_ask_triangles : ask_planes)(map, lanes, receivers, visibility);
     } else {
         for (size_t i = 0; i < lanes; i++)
             visibility[i] = 1;

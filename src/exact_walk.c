@@ -1,75 +1,183 @@
 /* Which side of an edge a place lies on is calculated from the edge's lower vertex to its higher
  * one, so that the two triangles of an edge always agree: a place lies in exactly one of them, or
- * on both.
+ * on both; and which side of the plane a vertex lies on is the same for all its triangles.
  */
 #include "strict.h"
 
 #include "exact_walk.h"
 
-/* In the map, texels. */
-typedef struct map_place {
-    double x, y;
-} map_place;
+#include <math.h>
 
-static double cross(map_place a, map_place b, map_place at) {
+static double cross(shb_map_place a, shb_map_place b, shb_map_place at) {
     return (b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x);
 }
 
-static map_place place_of(const shb_light_mesh *mesh, uint32_t vertex) {
-    return (map_place){mesh->vertices[vertex].x, mesh->vertices[vertex].y};
+static shb_map_place place_of(const shb_light_mesh *mesh, uint32_t vertex) {
+    return (shb_map_place){mesh->vertices[vertex].x, mesh->vertices[vertex].y};
+}
+
+/* False for vertices in front of the near plane, or that are not finite. */
+static bool is_seen(const shb_light_mesh *mesh, uint32_t vertex) {
+    return mesh->vertices[vertex].inverse_w > 0;
 }
 
 /* Positive on the left of the way from a to b. */
-static double side_of(const shb_light_mesh *mesh, uint32_t a, uint32_t b, map_place at) {
+static double side_of(const shb_light_mesh *mesh, uint32_t a, uint32_t b, shb_map_place at) {
     return a < b ? cross(place_of(mesh, a), place_of(mesh, b), at)
                  : -cross(place_of(mesh, b), place_of(mesh, a), at);
 }
 
-/* Where a place lies to the three sides of a triangle, positive inside. False for a triangle
- * without area in the map, or behind the light. */
-static bool find_sides(const shb_light_mesh *mesh, const uint32_t corners[3], map_place at,
-                       double sides[3]) {
-    const double area = side_of(mesh, corners[0], corners[1], place_of(mesh, corners[2]));
-    const double sign = area < 0 ? -1 : 1;
-    for (int k = 0; k < 3; k++)
-        sides[k] = sign * side_of(mesh, corners[k], corners[(k + 1) % 3], at);
-    return area < 0 || area > 0;
+/* Does a place with this side of an edge lie on that of the triangle? area: the triangle's, with
+ * the sign of its winding; 0 covers nothing. */
+static bool is_inside(double side, double area) {
+    return area > 0 ? side >= 0 : area < 0 && side <= 0;
 }
 
-/* The side through which the way leaves: of two that lie before the target, the one that the
- * straight line from the start crosses, which their common corner tells. -1: the target lies
- * inside. */
-static int choose_exit(const shb_light_mesh *mesh, const uint32_t corners[3], const double sides[3],
-                       map_place from, map_place to) {
-    int exit = -1;
+static double across(const shb_walk *walk, uint32_t vertex) {
+    return cross(walk->from, walk->to, place_of(walk->mesh, vertex));
+}
+
+/* Distance ahead of to, times that of both places. */
+static double along(const shb_walk *walk, uint32_t vertex) {
+    const shb_map_place at = place_of(walk->mesh, vertex), to = walk->to;
+    return (to.x - walk->from.x) * (at.x - to.x) + (to.y - walk->from.y) * (at.y - to.y);
+}
+
+static bool is_left(const shb_walk *walk, uint32_t vertex) {
+    return across(walk, vertex) < 0;
+}
+
+/* Where the line crosses an edge whose ends lie on different sides of it. */
+static double crossing_of(const shb_walk *walk, uint32_t a, uint32_t b) {
+    const double at_a = across(walk, a), at_b = across(walk, b);
+    return (at_a * along(walk, b) - at_b * along(walk, a)) / (at_a - at_b);
+}
+
+static bool covers(const shb_light_mesh *mesh, const uint32_t corners[3], shb_map_place at) {
+    const double area = side_of(mesh, corners[0], corners[1], place_of(mesh, corners[2]));
+    for (int k = 0; k < 3; k++)
+        if (!is_inside(side_of(mesh, corners[k], corners[(k + 1) % 3], at), area))
+            return false;
+    return true;
+}
+
+/* Of the two edges that the line crosses the one that lies ahead. */
+static bool choose_exit(shb_walk *walk) {
+    const uint32_t *corners = walk->mesh->topology->corners[walk->triangle];
+    double farthest = -HUGE_VAL;
     for (int k = 0; k < 3; k++) {
-        if (!(sides[k] < 0))
+        const uint32_t a = corners[k], b = corners[(k + 1) % 3];
+        if (is_left(walk, a) == is_left(walk, b))
             continue;
-        if (exit < 0) {
-            exit = k;
-            continue;
+        const double crossing = crossing_of(walk, a, b);
+        if (crossing > farthest) {
+            farthest = crossing;
+            walk->exit = k;
         }
-        const int first = k == 2 && exit == 0 ? 2 : exit, second = k == 2 && exit == 0 ? 0 : k;
-        const map_place common = place_of(mesh, corners[second]);
-        const map_place before = place_of(mesh, corners[first]);
-        const double side = cross(from, to, common), of_before = cross(from, to, before);
-        exit = (side < 0) != (of_before < 0) ? first : second;
     }
-    return exit;
+    return farthest > -HUGE_VAL;
+}
+
+static shb_map_place middle_of(const shb_light_mesh *mesh, const uint32_t corners[3]) {
+    const shb_map_place a = place_of(mesh, corners[0]), b = place_of(mesh, corners[1]);
+    const shb_map_place c = place_of(mesh, corners[2]);
+    return (shb_map_place){((a.x + b.x) + c.x) / 3, ((a.y + b.y) + c.y) / 3};
+}
+
+static bool stop(shb_walk *walk, bool cut) {
+    walk->triangle = SHB_ID_NONE;
+    walk->cut = cut;
+    return false;
+}
+
+/* Where snapping covered a sample just outside the triangle, its middle is a better start. */
+static bool leave_first(shb_walk *walk) {
+    const uint32_t *corners = walk->mesh->topology->corners[walk->triangle];
+    if (!choose_exit(walk)) {
+        walk->from = middle_of(walk->mesh, corners);
+        if (!choose_exit(walk))
+            return stop(walk, true);
+    }
+    const double x = walk->to.x - walk->from.x, y = walk->to.y - walk->from.y;
+    const double squared = x * x + y * y;
+    walk->farthest = SHB_WALK_REACH * sqrt(squared);
+    walk->nearest = -(squared + walk->farthest);
+    return true;
+}
+
+static int corner_beside(const uint32_t corners[3], uint32_t a, uint32_t b) {
+    for (int k = 0; k < 3; k++)
+        if (corners[k] != a && corners[k] != b)
+            return k;
+    return -1;
+}
+
+/* Over the exit to the next triangle, whose own exit is found. False: the walk ends. */
+static bool step(shb_walk *walk, bool *covered) {
+    const shb_light_mesh *mesh = walk->mesh;
+    const shb_topology *t = mesh->topology;
+    const uint32_t *last = t->corners[walk->triangle];
+    const uint32_t a = last[walk->exit], b = last[(walk->exit + 1) % 3];
+    const uint32_t before = last[(walk->exit + 2) % 3];
+    const uint32_t neighbour = t->neighbours[walk->triangle][walk->exit];
+    if (neighbour >= SHB_TWIN || walk->steps++ == SHB_WALK_MAX)
+        return stop(walk, true);
+    const double crossing = crossing_of(walk, a, b);
+    if (crossing < walk->nearest || crossing > walk->farthest)
+        return stop(walk, false);
+    walk->triangle = shb_neighbour_of(neighbour);
+    const uint32_t *corners = t->corners[walk->triangle];
+    const int k = corner_beside(corners, a, b);
+    if (k < 0 || !is_seen(mesh, corners[k]))
+        return stop(walk, true);
+    const uint32_t third = corners[k];
+    const double area = side_of(mesh, a, b, place_of(mesh, third));
+    const bool leaves_by_a = is_left(walk, a) != is_left(walk, third);
+    const uint32_t kept = leaves_by_a ? a : b;
+    walk->exit = corners[(k + 1) % 3] == kept ? k : (k + 2) % 3;
+    walk->turned |= !is_inside(-side_of(mesh, a, b, place_of(mesh, before)), area);
+    if (walk->turned && walk->straight)
+        return stop(walk, false);
+    const double exit_side =
+        leaves_by_a ? side_of(mesh, third, a, walk->to) : side_of(mesh, b, third, walk->to);
+    *covered = is_inside(side_of(mesh, a, b, walk->to), area) && is_inside(exit_side, area);
+    return true;
+}
+
+shb_walk shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
+                        const double to[2]) {
+    return (shb_walk){.mesh = mesh,
+                      .from = {from[0], from[1]},
+                      .to = {to[0], to[1]},
+                      .triangle = triangle,
+                      .exit = -1};
+}
+
+uint32_t shb_walk_next(shb_walk *walk) {
+    if (walk->triangle == SHB_ID_NONE)
+        return SHB_ID_NONE;
+    if (walk->steps == 0) {
+        const uint32_t *corners = walk->mesh->topology->corners[walk->triangle];
+        walk->steps = 1;
+        for (int k = 0; k < 3; k++)
+            if (!is_seen(walk->mesh, corners[k])) {
+                stop(walk, true);
+                return SHB_ID_NONE;
+            }
+        if (covers(walk->mesh, corners, walk->to))
+            return walk->triangle;
+    }
+    if (walk->exit < 0 && !leave_first(walk))
+        return SHB_ID_NONE;
+    bool covered = false;
+    while (!covered && step(walk, &covered))
+        ;
+    return walk->triangle;
 }
 
 uint32_t shb_exact_walk(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
                         const double to[2]) {
-    const map_place start = {from[0], from[1]}, target = {to[0], to[1]};
-    for (int i = 0; i < SHB_WALK_MAX && triangle != SHB_ID_NONE; i++) {
-        const uint32_t *corners = mesh->topology->corners[triangle];
-        double sides[3];
-        if (!find_sides(mesh, corners, target, sides))
-            return SHB_ID_NONE;
-        const int exit = choose_exit(mesh, corners, sides, start, target);
-        if (exit < 0)
-            return triangle;
-        triangle = shb_light_mesh_beyond(mesh, triangle, exit);
-    }
-    return SHB_ID_NONE;
+    shb_walk walk = shb_walk_begin(mesh, triangle, from, to);
+    walk.straight = true;
+    return shb_walk_next(&walk);
 }

@@ -216,14 +216,11 @@ static bool is_twin(const edge_buckets *buckets, const shb_topology *t, uint32_t
     return false;
 }
 
-/* A side of two equal vertices has no neighbour. */
 static void link_side(edge_buckets *buckets, shb_topology *t, uint32_t side) {
     uint32_t other;
     const uint32_t vertex = bucket_of(buckets, t, side, &other);
     edge_entry *entries = buckets->entries + buckets->begins[vertex];
     const uint32_t length = buckets->lengths[vertex];
-    if (vertex == other)
-        return;
     for (uint32_t i = 0; i < length; i++)
         if (entries[i].other == other) {
             add_side(t, &entries[i], side);
@@ -233,7 +230,14 @@ static void link_side(edge_buckets *buckets, shb_topology *t, uint32_t side) {
     buckets->lengths[vertex]++;
 }
 
+static bool is_collapsed(const uint32_t corners[3]) {
+    return corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
+}
+
+/* A triangle whose corners fall together has no neighbours: it lies on an edge of others. */
 static void link_triangle(edge_buckets *buckets, shb_topology *t, uint32_t triangle) {
+    if (is_collapsed(t->corners[triangle]))
+        return;
     const bool twin = is_twin(buckets, t, triangle);
     for (uint32_t k = 0; k < 3; k++)
         if (twin)
