@@ -5,7 +5,7 @@ const images = JSON.parse(byId("images").textContent);
 const rows = [...document.querySelectorAll("#table tbody tr")];
 const state = { scene: "all", light: "all", kind: "hard", name: "adaptive", size: "" };
 
-/* Pixels of a picture by its name; each is decoded once. */
+/* Pixels of a picture by its name; those of the chosen scene are decoded once. */
 const decoded = new Map();
 function pixelsOf(name) {
   if (!decoded.has(name)) decoded.set(name, decode(name));
@@ -183,7 +183,9 @@ async function drawGallery() {
     const row = rowOfPicture(button.dataset.name);
     button.hidden = !row;
     if (!row) continue;
-    drawErrors(button.querySelector("canvas"), await loadPictures(row), byId("boundaries").checked);
+    const pictures = await loadPictures(row);
+    if (!button.isConnected) return; /* another choice was made */
+    drawErrors(button.querySelector("canvas"), pictures, byId("boundaries").checked);
     button.querySelector("span").textContent = row.dataset.brief;
   }
 }
@@ -261,7 +263,11 @@ for (const chart of document.querySelectorAll(".chart")) {
 
 for (const header of document.querySelectorAll("#table thead th"))
   header.querySelector("button").onclick = () => sortBy(header);
-byId("scene").onchange = (event) => { state.scene = event.target.value; choose(); };
+byId("scene").onchange = (event) => {
+  state.scene = event.target.value;
+  decoded.clear();
+  choose();
+};
 byId("kind").onchange = (event) => { state.kind = event.target.value; choose(); };
 byId("light").onchange = (event) => { state.light = event.target.value; choose(); };
 byId("method").onchange = (event) => { state.name = event.target.value; showMethod(); };
