@@ -101,6 +101,7 @@ static shb_result make_map(shb_context *context, const char *caller, const shb_m
                         "desc.view.reversed %d, or the view is degenerate",
                         caller, desc->view.reversed);
     made.rows = shb_light_rows_of(&made.projection);
+    made.bounds = shb_light_bounds_of(&made.rows, made.info.width, made.info.height);
     *map = shb_alloc(context, 1, sizeof **map);
     if (!*map)
         return shb_fail(context, SHB_ERROR_MEMORY, "%s: no memory for the map", caller);

@@ -2,6 +2,7 @@
 #ifndef SRC_MAP_H
 #define SRC_MAP_H
 
+#include "light_bounds.h"
 #include "light_mesh.h"
 #include "sheets.h"
 
@@ -62,6 +63,7 @@ struct shb_map {
     shb_map_info info;
     shb_projection projection;
     shb_light_rows rows;
+    shb_light_bounds bounds;
     shb_occluder_data occluders;
     struct shb_lists *lists; /* of the latest drawing, or NULL */
     size_t lists_cap;        /* bytes that they may take; 0: any number */

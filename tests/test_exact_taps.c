@@ -282,8 +282,9 @@ TEST(exact_soft_shadows_agree_with_a_slow_search_by_the_scalar_test) {
     check_soft_against_scalar(true, false, SHB_OCCLUDERS_TRIANGLES);
 }
 
-TEST(exact_taps_give_scalar_bits_on_every_isa) {
+static void check_isas(bool spot, shb_occluders occluders) {
     const shb_filter filters[] = {shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
+                                  shb_filter_pcf(19, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
                                   shb_filter_pcf(0.1f, SHB_UNIT_WORLD, SHB_TAPS_PLANE),
                                   shb_filter_pcf_smooth(4, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
                                   shb_filter_jittered(6, SHB_UNIT_TEXEL, SHB_TAPS_PLANE),
@@ -291,14 +292,16 @@ TEST(exact_taps_give_scalar_bits_on_every_isa) {
                                   shb_filter_pcss(0.2f, 25, 25, SHB_TAPS_PLANE),
                                   shb_filter_pcss(0.2f, 0, 0, SHB_TAPS_PLANE)};
     const int filter_count = sizeof filters / sizeof *filters;
+    const shb_view view = spot ? probe_perspective(true) : probe_orthographic(false);
     soup s = {0};
     add_scene(&s);
-    lift_into_spot(&s);
+    if (spot)
+        lift_into_spot(&s);
     points *given = malloc(sizeof *given);
     fill_points(&s, 4, given);
-    asked_map scalar = draw(SHB_ISA_SCALAR, probe_perspective(true), SHB_OCCLUDERS_PLANES, 64, &s);
+    asked_map scalar = draw(SHB_ISA_SCALAR, view, occluders, 64, &s);
     for (int isa = SHB_ISA_SCALAR + 1; isa < SHB_ISA_COUNT; isa++) {
-        asked_map other = draw((shb_isa)isa, probe_perspective(true), SHB_OCCLUDERS_PLANES, 64, &s);
+        asked_map other = draw((shb_isa)isa, view, occluders, 64, &s);
         for (int f = 0; f < filter_count; f++) {
             float expected[POINTS], actual[POINTS];
             ask(&scalar, given, &filters[f], expected);
@@ -314,6 +317,12 @@ TEST(exact_taps_give_scalar_bits_on_every_isa) {
     close_map(&scalar);
     free(given);
     soup_free(&s);
+}
+
+TEST(exact_taps_give_scalar_bits_on_every_isa) {
+    check_isas(true, SHB_OCCLUDERS_PLANES);
+    check_isas(false, SHB_OCCLUDERS_PLANES);
+    check_isas(true, SHB_OCCLUDERS_TRIANGLES);
 }
 
 /* The plane is in the map unless it is seen edge on. */

@@ -2,8 +2,6 @@
 
 #include "../taps.h"
 
-#include "k_mutual.inl"
-
 #define BOX_MAX 63
 
 /* Floats in a row of a window: room for whole vectors. */
@@ -32,11 +30,12 @@ typedef struct box_batch {
     bool reversed;
     tap_kind kind;
     const float *step_x, *step_y;
-    const mutual_batch *mutual;              /* TAPS_GIVEN by the exact method; else NULL */
+    mutual_batch *mutual;                    /* of the exact method; else NULL */
     SHB_ALIGN int32_t size[SHB_BATCH];       /* texels in a row of the box */
     int32_t left[SHB_BATCH], top[SHB_BATCH]; /* its first texel */
     int32_t inside[SHB_BATCH];               /* it can be read where it is */
     float window[BOX_MAX * BOX_PITCH];       /* a copy of a box that cannot be read in place */
+    uint32_t occluders[BOX_MAX * BOX_PITCH]; /* of the exact method: the same of its occluders */
     float given[BOX_MAX * BOX_PITCH]; /* TAPS_GIVEN: depths of its taps, as the map stores depth */
 } box_batch;
 
@@ -50,8 +49,10 @@ typedef struct box_run {
 typedef struct texel_box {
     const char *texels;
     size_t stride;
-    int column, row;    /* of the first */
-    const float *given; /* TAPS_GIVEN */
+    int column, row;       /* of the first */
+    const float *given;    /* TAPS_GIVEN */
+    const char *occluders; /* of the exact method */
+    size_t occluder_stride;
 } texel_box;
 
 /* The row from texel first on as floats, as they are stored. Products in double round to the same
@@ -93,31 +94,6 @@ static void give_naive_taps(box_batch *batch, size_t i, const texel_box *b) {
     }
 }
 
-/* The fragment's plane, at taps whose occluder lies in front of the fragment. */
-static void give_mutual_taps(box_batch *batch, size_t i, const texel_box *b) {
-    const shb_receivers *r = batch->receivers;
-    const mutual_fragment *fragment = &batch->mutual->fragments[i];
-    const int n = batch->size[i];
-    const float sign = batch->reversed ? -1.0f : 1.0f;
-    for (int row = 0; row < n; row++) {
-        const int32_t y = batch->top[i] + row;
-        const float *stored = batch->window + row * BOX_PITCH;
-        float *given = batch->given + row * BOX_PITCH;
-        for (int column = 0; column < BOX_PITCH; column++)
-            given[column] = NAN;
-        if (y < 0 || y >= batch->height)
-            continue;
-        const int32_t left = batch->left[i], width = batch->width;
-        const int end = width - left < n ? width - left : n;
-        for (int column = left < 0 ? -left : 0; column < end; column++) {
-            const float tap = shb_tap_depth(r->ref[i], r->step_x[i], r->step_y[i],
-                                            (float)(b->column + column), (float)(b->row + row));
-            given[column] = sign * mutual_tap(batch->map, fragment, left + column, y,
-                                              sign * stored[column], tap);
-        }
-    }
-}
-
 /* Copies the box of fragment i, with far depths where it leaves the map; false: it lies outside. */
 static NEVER_INLINE bool copy_box(box_batch *batch, size_t i, texel_box *b) {
     const int32_t n = batch->size[i], left = batch->left[i], top = batch->top[i];
@@ -129,18 +105,23 @@ static NEVER_INLINE bool copy_box(box_batch *batch, size_t i, texel_box *b) {
         float *depths = batch->window + row * BOX_PITCH;
         for (int32_t column = 0; column < BOX_PITCH; column++)
             depths[column] = shb_far_depth(batch->reversed);
-        if (top + row >= 0 && top + row < batch->height)
-            decode_texels(batch->map, top + row, left + first, end - first, depths + first);
+        if (batch->mutual)
+            memset(batch->occluders + row * BOX_PITCH, -1, BOX_PITCH * sizeof *batch->occluders);
+        if (top + row < 0 || top + row >= batch->height)
+            continue;
+        decode_texels(batch->map, top + row, left + first, end - first, depths + first);
+        if (batch->mutual)
+            memcpy(batch->occluders + row * BOX_PITCH + first,
+                   shb_occluder_row(batch->map, top + row) + left + first,
+                   (size_t)(end - first) * sizeof *batch->occluders);
     }
     *b = (texel_box){.texels = (const char *)batch->window,
                      .stride = BOX_PITCH * sizeof(float),
                      .column = left - batch->receivers->texel_x[i],
                      .row = top - batch->receivers->texel_y[i],
-                     .given = batch->given};
-    if (batch->mutual)
-        give_mutual_taps(batch, i, b);
-    else if (batch->kind == TAPS_GIVEN)
-        give_naive_taps(batch, i, b);
+                     .given = batch->given,
+                     .occluders = (const char *)batch->occluders,
+                     .occluder_stride = BOX_PITCH * sizeof *batch->occluders};
     return true;
 }
 
@@ -214,20 +195,30 @@ static void count_run(const box_run *run, float *visibility) {
     count[batch->kind == TAPS_PLANE][batch->reversed](run, visibility);
 }
 
+static float box_share(int n, int32_t shadowed) {
+    return (float)((n * n - shadowed) * (1 / (double)(n * n)));
+}
+
+static float count_given(const box_batch *batch, size_t i, const texel_box *b) {
+    const int n = batch->size[i];
+    return box_share(n, batch->reversed ? WIDELY(count_box)(batch, i, b, n, TAPS_GIVEN, true)
+                                        : WIDELY(count_box)(batch, i, b, n, TAPS_GIVEN, false));
+}
+
 /* By the naive way, in map formats that are not float, and where the map ends. */
 static NEVER_INLINE float count_copy(box_batch *batch, size_t i) {
     texel_box b;
     if (!copy_box(batch, i, &b))
         return 1;
+    if (batch->kind == TAPS_GIVEN) {
+        give_naive_taps(batch, i, &b);
+        return count_given(batch, i, &b);
+    }
     const int n = batch->size[i];
-    int32_t shadowed;
-    if (batch->kind != TAPS_GIVEN)
-        shadowed = batch->reversed ? WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, true)
-                                   : WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, false);
-    else
-        shadowed = batch->reversed ? WIDELY(count_box)(batch, i, &b, n, TAPS_GIVEN, true)
-                                   : WIDELY(count_box)(batch, i, &b, n, TAPS_GIVEN, false);
-    return (float)((n * n - shadowed) * (1 / (double)(n * n)));
+    const int32_t shadowed = batch->reversed
+                                 ? WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, true)
+                                 : WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, false);
+    return box_share(n, shadowed);
 }
 
 static float weigh_one(const box_batch *batch, size_t i, const texel_box *b) {
@@ -356,55 +347,20 @@ static void pcf(const shb_filter_args *args) {
     fill_lanes(args->count, args->visibility);
 }
 
-static void weigh_boxes(box_batch *batch, size_t count, float *visibility) {
-    for (size_t i = 0; i < count; i++) {
-        texel_box b;
-        bool inside = batch->inside[i];
-        if (inside)
-            b = box_in_place(batch, i);
-        else
-            inside = copy_box(batch, i, &b);
-        visibility[i] = inside ? weigh_one(batch, i, &b) : 1.0f;
-    }
-    fill_lanes(count, visibility);
-}
-
 static void smooth_boxes(const shb_filter_args *args) {
     box_batch batch;
     box_batch_of_planes(args, 2, &batch);
-    weigh_boxes(&batch, args->count, args->visibility);
-}
-
-/* Boxes of the exact method; the planes of fragments are written for the reach of their boxes. */
-static void box_batch_of_mutual(const shb_filter_args *args, tap_kind kind, float least,
-                                mutual_batch *mutual, box_batch *batch) {
-    mutual_batch_init(args, mutual);
-    box_batch_init(args, &mutual->receivers, kind, least, batch);
-    for (size_t i = 0; i < shb_round_to_lanes(args->count); i++)
-        write_mutual_plane(&mutual->fragments[i], batch->size[i] / 2 + 1.0, &mutual->receivers, i);
-}
-
-/* A box whose texels all lie behind the fragment's plane is lit; few others need the planes of the
- * occluders. The depths of a map that keeps triangles are not those of their planes. */
-static void pcf_exact(const shb_filter_args *args) {
-    const bool planes = args->map->info.occluders == SHB_OCCLUDERS_PLANES;
-    mutual_batch mutual;
-    box_batch batch;
-    box_batch_of_mutual(args, planes ? TAPS_PLANE : TAPS_GIVEN, 1, &mutual, &batch);
-    if (planes)
-        count_inside(&batch, args->count, args->visibility);
-    batch.kind = TAPS_GIVEN;
-    batch.mutual = &mutual;
-    for (size_t i = 0; i < args->count; i++)
-        if (!(batch.inside[i] && args->visibility[i] == 1))
-            args->visibility[i] = count_copy(&batch, i);
+    for (size_t i = 0; i < args->count; i++) {
+        texel_box b;
+        bool inside = batch.inside[i];
+        if (inside) {
+            b = box_in_place(&batch, i);
+        } else {
+            inside = copy_box(&batch, i, &b);
+            if (inside && batch.kind == TAPS_GIVEN)
+                give_naive_taps(&batch, i, &b);
+        }
+        args->visibility[i] = inside ? weigh_one(&batch, i, &b) : 1.0f;
+    }
     fill_lanes(args->count, args->visibility);
-}
-
-static void pcf_smooth_exact(const shb_filter_args *args) {
-    mutual_batch mutual;
-    box_batch batch;
-    box_batch_of_mutual(args, TAPS_GIVEN, 2, &mutual, &batch);
-    batch.mutual = &mutual;
-    weigh_boxes(&batch, args->count, args->visibility);
 }

@@ -1,121 +1,252 @@
-/* The exact method in taps: a tap is shadowed if its sample lies in front of the fragment's plane
- * at the texel's centre, and the sample's plane in front of the fragment at the fragment's own
- * place (shb_exact_is_shadowed); and, where the map keeps triangles, its sheet does not go on to be
- * the fragment's own. The bounds are those of light_point.h, put so that they are taken
- * once for a fragment and all its taps; where that makes them larger, taps are lit. */
+/* The exact method in taps: a tap is shadowed if what the map holds lies in front of the fragment's
+ * plane at the texel's centre, and the plane of that occluder in front of the fragment at the
+ * fragment's own place (shb_exact_is_shadowed); and, where the map keeps triangles, the occluder's
+ * sheet does not go on to be the fragment's own.
+ *
+ * The bounds are those of light_point.h, made larger so that they are sums of few floats, taken
+ * once for a fragment and all its taps; where that makes a difference, taps are lit. In the units
+ * of light_bounds.h, with u = 2^-24 and N the largest element of the normal:
+ *
+ * The elements of A are no larger than |unit_x| + |xi| |unit_w|. So the true point lies no farther
+ * from the calculated one than moved_x = q_x unit_x and so on,
+ *     q_x = u (1 + 2^-9 + 8 u r) (sum |unit_x P| + |xi| sum |unit_w P|) / w_low
+ *     r = (sum |unit_w P| + |w_3|) / w_low,  w_low = w - 8 u (sum |unit_w P| + |w_3|)
+ * and another 2^-25 texels for the rounding of its place to floats.
+ *
+ * |A| is at most a = |unit_x| + |xi|, and |A x B| at most |A| |B|. So the denominator of the slopes
+ * is off by no more than N (e_a b + e_b a), e_a = q_x + 12 u a: the rounding of a unit vector to
+ * floats is 7 u N a b, and the calculation in floats another 10 u N a b. The numerators likewise. A
+ * quarter more of the denominator's error holds the rounding of the slopes themselves. */
 
-#include "../exact.h"
 #include "../exact_walk.h"
 #include "../half.h"
+#include "../light_point.h"
 #include "../occluders.h"
 
-typedef struct mutual_fragment {
-    double x, y, z;
-    double slope_x, slope_y; /* of its plane */
-    double error, slope_error_x, slope_error_y;
-    double base, per_x, per_y; /* a plane through the point misses the true one by no more than base
-                                  + |slope_x| per_x + |slope_y| per_y */
-} mutual_fragment;
+/* What a triangle means to a fragment, relative to the fragment's plane. */
+typedef struct mutual_triangle {
+    bool shadows; /* where it lies in front of that plane */
+    /* it lies so far in front at the fragment's own place, and more for each texel from there; to
+     * be compared with error */
+    float front, rise_x, rise_y, error;
+} mutual_triangle;
 
-static mutual_fragment mutual_fragment_of(const shb_light_rows *rows, const shb_receivers *r,
-                                          size_t i) {
-    const double position[3] = {(double)r->x[i], (double)r->y[i], (double)r->z[i]};
-    const double normal[3] = {(double)r->normal_x[i], (double)r->normal_y[i],
-                              (double)r->normal_z[i]};
-    const shb_exact_fragment exact = shb_exact_fragment_of(rows, position, normal);
-    const shb_light_point *p = &exact.point;
-    const double more = 1 + 0x1p-40; /* for the sums themselves */
-    return (mutual_fragment){
-        .x = p->x,
-        .y = p->y,
-        .z = p->z,
-        .slope_x = exact.slopes.x,
-        .slope_y = exact.slopes.y,
-        .error = exact.error,
-        .slope_error_x = exact.slopes.error_x,
-        .slope_error_y = exact.slopes.error_y,
-        .base = more * (shb_dot_abs(p->c, p->by_position) + p->error_z),
-        .per_x = more * (shb_dot_abs(p->a, p->by_position) + p->error_x),
-        .per_y = more * (shb_dot_abs(p->b, p->by_position) + p->error_y),
-    };
-}
+/* Triangles that were asked lately. */
+#define MEMO_SIZE 1024
 
-/* The fragment's plane as floats for taps at most reach texels away. shb_tap_depth rounds the
- * steps, two products and two sums, and ref is rounded: with u = 2^-24 and S = (|slope_x| +
- * |slope_y|) reach, no more than u (4 S + 3 (|z| + S)), to first order; 16 u (|z| + S) is taken. */
-static void write_mutual_plane(const mutual_fragment *f, double reach, shb_receivers *r, size_t i) {
-    const double to_x = r->texel_x[i] + 0.5 - f->x, to_y = r->texel_y[i] + 0.5 - f->y;
-    const double rise = (fabs(f->slope_x) + fabs(f->slope_y)) * reach;
-    const double error = f->error + (f->slope_error_x + f->slope_error_y) * reach +
-                         16 * SHB_FLOAT_ROUNDING * (fabs(f->z) + rise);
-    r->ref[i] = (float)((f->z + (f->slope_x * to_x + f->slope_y * to_y)) - error);
-    r->step_x[i] = (float)f->slope_x;
-    r->step_y[i] = (float)f->slope_y;
-}
+typedef struct mutual_memo {
+    uint64_t keys[MEMO_SIZE]; /* number of the fragment, id of the triangle */
+    mutual_triangle triangles[MEMO_SIZE];
+} mutual_memo;
 
-/* Does the plane through (x, y, depth) pass in front of the fragment? */
-static bool passes_in_front(const mutual_fragment *f, double to_x, double to_y, double depth,
-                            double slope_x, double slope_y, double slope_error_x,
-                            double slope_error_y) {
-    const double error = f->base + fabs(slope_x) * f->per_x + fabs(slope_y) * f->per_y +
-                         (slope_error_x * fabs(to_x) + slope_error_y * fabs(to_y));
-    return f->z - (depth - (slope_x * to_x + slope_y * to_y)) > error;
-}
-
-/* A sample whose sheet goes on to the fragment's own place, and is the fragment's surface there:
- * the light sees the sheet at both places, whatever their planes say of each other. */
-static bool is_of_own_sheet(const shb_map *map, const mutual_fragment *f, uint32_t triangle,
-                            int32_t x, int32_t y) {
-    const double center[2] = {x + 0.5, y + 0.5}, at[2] = {f->x, f->y};
-    const uint32_t arrived = shb_exact_walk(&map->occluders.mesh, triangle, center, at);
-    if (arrived == SHB_ID_NONE)
-        return false;
-    const shb_occluder_plane *plane = &map->occluders.planes[arrived];
-    const double error =
-        f->base + fabs(plane->slope_x) * f->per_x + fabs(plane->slope_y) * f->per_y + plane->error;
-    return fabs(f->z - shb_occluder_depth(plane, f->x, f->y)) <= error;
-}
-
-/* What the tap of a texel in the map is compared with: NaN where the texel does not shadow the
- * fragment whatever its depth is. tap: the fragment's plane there. */
-static float mutual_tap(const shb_map *map, const mutual_fragment *f, int32_t x, int32_t y,
-                        float stored, float tap) {
-    const double to_x = x + 0.5 - f->x, to_y = y + 0.5 - f->y;
-    const uint32_t texel = shb_occluder_row(map, y)[x];
-    if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES) {
-        if (texel == SHB_ID_NONE)
-            return NAN;
-        const shb_occluder_plane *plane = &map->occluders.planes[texel];
-        const double depth = shb_occluder_depth(plane, x + 0.5, y + 0.5) + plane->error;
-        const double own = f->z + (f->slope_x * to_x + f->slope_y * to_y);
-        const double own_error =
-            f->error + (f->slope_error_x * fabs(to_x) + f->slope_error_y * fabs(to_y));
-        const bool shadowed =
-            own - depth > own_error &&
-            passes_in_front(f, to_x, to_y, depth, plane->slope_x, plane->slope_y, 0, 0) &&
-            !is_of_own_sheet(map, f, texel, x, y);
-        return shadowed ? INFINITY : NAN;
-    }
-    const double unit = map->occluders.slope_unit, smallest = SHB_HALF_ABSOLUTE * unit;
-    const double slope_x = (double)shb_half_to_float((uint16_t)(texel & 0xffff)) * unit;
-    const double slope_y = (double)shb_half_to_float((uint16_t)(texel >> 16)) * unit;
-    const bool shadowed = passes_in_front(f, to_x, to_y, (double)stored, slope_x, slope_y,
-                                          fabs(slope_x) * SHB_HALF_RELATIVE + smallest,
-                                          fabs(slope_y) * SHB_HALF_RELATIVE + smallest);
-    return shadowed ? tap : NAN;
-}
-
-/* What the function exact of a filter works with: its own receivers, projected, and their bounds.
- */
+/* What the function exact of a filter works with: its own receivers, projected, and bounds. */
 typedef struct mutual_batch {
+    const shb_map *map;
     shb_receivers receivers;
-    mutual_fragment fragments[SHB_BATCH];
+    SHB_ALIGN float moved_x[SHB_BATCH], moved_y[SHB_BATCH]; /* texels */
+    float moved_z[SHB_BATCH];                               /* depth, before rounding to float */
+    float error[SHB_BATCH];       /* of the fragment's plane at its own place */
+    float slope_error[SHB_BATCH]; /* and as much for each texel from there */
+    float reach[SHB_BATCH];       /* of taps on an axis, texels */
+    /* where the map keeps triangles: */
+    double x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH]; /* the fragment in the map */
+    uint32_t plain[SHB_BATCH]; /* the own texel's triangle if it shadows no tap, or SHB_ID_NONE */
+    mutual_memo memo;
 } mutual_batch;
 
-static void mutual_batch_init(const shb_filter_args *args, mutual_batch *batch) {
-    const shb_map *map = args->map;
-    memcpy(&batch->receivers, args->receivers, offsetof(shb_receivers, cosine));
-    project_batch(map, args->filter->needs & SHB_NEEDS_SCALE, args->count, &batch->receivers);
-    for (size_t i = 0; i < shb_round_to_lanes(args->count); i++)
-        batch->fragments[i] = mutual_fragment_of(&map->rows, &batch->receivers, i);
+static inline ALWAYS_INLINE vf vf_abs(vf a) {
+    return (vf)((vu)a & 0x7fffffffu);
+}
+
+typedef struct vf3 {
+    vf x, y, z;
+} vf3;
+
+static inline ALWAYS_INLINE vf dot_floats(const float *a, vf3 b) {
+    return (a[0] * b.x + a[1] * b.y) + a[2] * b.z;
+}
+
+/* In the units of light_bounds.h. */
+typedef struct mutual_place {
+    vf xi, eta, zeta;
+    vf q_x, q_y, q_z;
+} mutual_place;
+
+static inline ALWAYS_INLINE mutual_place find_place(const shb_light_bounds *bounds, bool affine,
+                                                    const shb_receivers *r, size_t i) {
+    const vf3 p = {vf_load(r->x + i), vf_load(r->y + i), vf_load(r->z + i)};
+    const vf3 size = {vf_abs(p.x), vf_abs(p.y), vf_abs(p.z)};
+    const vf sum_x = dot_floats(bounds->x, size), sum_y = dot_floats(bounds->y, size);
+    const vf sum_z = dot_floats(bounds->z, size);
+    const float u = (float)SHB_FLOAT_ROUNDING, few = 1 + 0x1p-9f;
+    if (affine) {
+        const vf moved = vf_splat(u * few / bounds->way[3]);
+        return (mutual_place){{0}, {0}, {0}, moved * sum_x, moved * sum_y, moved * sum_z};
+    }
+    const vf texel_x = __builtin_convertvector(vi_load(r->texel_x + i), vf);
+    const vf texel_y = __builtin_convertvector(vi_load(r->texel_y + i), vf);
+    const vf x = (texel_x - bounds->middle_x) + (0.5f - vf_load(r->to_center_x + i));
+    const vf y = (texel_y - bounds->middle_y) + (0.5f - vf_load(r->to_center_y + i));
+    const vf xi = x * bounds->to_xi, eta = y * bounds->to_eta;
+    const vf zeta = vf_load(r->depth + i) * bounds->to_zeta;
+    const vf sum_w = dot_floats(bounds->w, size);
+    const vf noise = 8 * u * (sum_w + fabsf(bounds->way[3]));
+    const vf low = (dot_floats(bounds->way, p) + bounds->way[3]) - noise;
+    const vf inverse = vf_where(low > 0, 1 / low, vf_splat(INFINITY));
+    const vf moved = u * inverse * (few + noise * inverse);
+    return (mutual_place){xi,
+                          eta,
+                          zeta,
+                          moved * (sum_x + vf_abs(xi) * sum_w),
+                          moved * (sum_y + vf_abs(eta) * sum_w),
+                          moved * (sum_z + vf_abs(zeta) * sum_w)};
+}
+
+/* Depth per texel of the fragments' planes, and how much they may be off; 0 without a normal. */
+typedef struct mutual_slopes {
+    vf x, y, error_x, error_y;
+} mutual_slopes;
+
+static inline ALWAYS_INLINE mutual_slopes find_slopes(const shb_light_bounds *bounds, bool affine,
+                                                      const mutual_place *at,
+                                                      const shb_receivers *r, size_t i) {
+    const vf3 n = {vf_load(r->normal_x + i), vf_load(r->normal_y + i), vf_load(r->normal_z + i)};
+    vf ab = dot_floats(bounds->x_cross_y, n), cb = dot_floats(bounds->z_cross_y, n);
+    vf ac = dot_floats(bounds->x_cross_z, n);
+    vf a = vf_splat(bounds->size_x), b = vf_splat(bounds->size_y), c = vf_splat(bounds->size_z);
+    if (!affine) {
+        const vf xw = dot_floats(bounds->x_cross_w, n), yw = dot_floats(bounds->y_cross_w, n);
+        const vf zw = dot_floats(bounds->z_cross_w, n);
+        ab = (ab - at->eta * xw) + at->xi * yw;
+        cb = (cb - at->eta * zw) + at->zeta * yw;
+        ac = (ac - at->zeta * xw) + at->xi * zw;
+        a += vf_abs(at->xi);
+        b += vf_abs(at->eta);
+        c += vf_abs(at->zeta);
+    }
+    const float noise = 12 * (float)SHB_FLOAT_ROUNDING, turns = bounds->turns;
+    const vf largest = vf_max(vf_max(vf_abs(n.x), vf_abs(n.y)), vf_abs(n.z));
+    const vf e_a = largest * (turns * at->q_x + noise * a);
+    const vf e_b = largest * (turns * at->q_y + noise * b);
+    const vf e_c = largest * (turns * at->q_z + noise * c);
+    const vf off = 1.25f * (e_a * b + e_b * a);
+    const vf left = vf_abs(ab) - 3 * off;
+    const vf scale = vf_where(left > 0, 1 / left, vf_splat(INFINITY));
+    const vf inverse = 1 / ab, x = cb * inverse, y = ac * inverse;
+    const vf error_x = ((e_c * b + e_b * c) + vf_abs(x) * off) * scale;
+    const vf error_y = ((e_a * c + e_c * a) + vf_abs(y) * off) * scale;
+    const vf squared = (n.x * n.x + n.y * n.y) + n.z * n.z;
+    const vi usable = (squared > 0) & (squared <= FLT_MAX);
+    return (mutual_slopes){
+        vf_keep(usable, x * bounds->slope_x), vf_keep(usable, y * bounds->slope_y),
+        vf_keep(usable, error_x * bounds->slope_x), vf_keep(usable, error_y * bounds->slope_y)};
+}
+
+static inline ALWAYS_INLINE void find_bounds(bool affine, size_t count, mutual_batch *batch) {
+    const shb_light_bounds bounds = batch->map->bounds;
+    shb_receivers *r = &batch->receivers;
+    const float more = 1 + 0x1p-20f, u = (float)SHB_FLOAT_ROUNDING;
+    for (size_t i = 0; i < shb_round_to_lanes(count); i += WIDE) {
+        const mutual_place at = find_place(&bounds, affine, r, i);
+        const mutual_slopes slopes = find_slopes(&bounds, affine, &at, r, i);
+        const vf moved_x = at.q_x * (more * bounds.unit_x) + u / 2;
+        const vf moved_y = at.q_y * (more * bounds.unit_y) + u / 2;
+        const vf moved_z = at.q_z * (more * bounds.unit_z);
+        vf_store(batch->moved_x + i, moved_x);
+        vf_store(batch->moved_y + i, moved_y);
+        vf_store(batch->moved_z + i, moved_z);
+        vf_store(batch->error + i, (moved_z + (vf_abs(slopes.x) + slopes.error_x) * moved_x) +
+                                       (vf_abs(slopes.y) + slopes.error_y) * moved_y);
+        vf_store(batch->slope_error + i, slopes.error_x + slopes.error_y);
+        vf_store(r->step_x + i, slopes.x);
+        vf_store(r->step_y + i, slopes.y);
+    }
+}
+
+/* Writes the fragments' planes, batch->reach being known; one that may be parallel to the light's
+ * ray has nothing in front of it. shb_tap_depth rounds two products and two sums, and ref is the
+ * outcome of three more: with S = (|slope_x| + |slope_y|) reach that is no more than
+ * u (4 S + 3 (|z| + S) + 3 (|z| + S) + |z|), to first order. In a map that keeps triangles depths
+ * are those of their planes but for 5 u |z| (plane.h); there the plane is written behind all of
+ * that, and what lies in front of it is asked once more. */
+static void write_mutual_planes(mutual_batch *batch, size_t count) {
+    shb_receivers *r = &batch->receivers;
+    const float side = batch->map->info.occluders == SHB_OCCLUDERS_TRIANGLES ? -1.0f : 1.0f;
+    for (size_t i = 0; i < shb_round_to_lanes(count); i += WIDE) {
+        const vf z = vf_load(r->depth + i), reach = vf_load(batch->reach + i);
+        const vf step_x = vf_load(r->step_x + i), step_y = vf_load(r->step_y + i);
+        const vf rise = (vf_abs(step_x) + vf_abs(step_y)) * reach;
+        const vf rounding = 24 * (float)SHB_FLOAT_ROUNDING * (vf_abs(z) + rise);
+        const vf error =
+            (vf_load(batch->error + i) + vf_load(batch->slope_error + i) * reach) + rounding;
+        const vf run = step_x * vf_load(r->to_center_x + i) + step_y * vf_load(r->to_center_y + i);
+        const vi known = error < INFINITY;
+        vf_store(r->ref + i, vf_where(known, (z + run) - side * error, vf_splat(-INFINITY)));
+        vf_store(r->step_x + i, vf_keep(known, step_x));
+        vf_store(r->step_y + i, vf_keep(known, step_y));
+    }
+}
+
+/* What the planes of occluders are compared with, of WIDE fragments or of one. Lengths are in units
+ * of slopes by texels. */
+typedef struct mutual_lanes {
+    vf z, base, moved_x, moved_y;
+    float unit;
+} mutual_lanes;
+
+/* Halves below the normal ones may be off by so much for each texel. */
+static inline ALWAYS_INLINE mutual_lanes mutual_lanes_of(const mutual_batch *batch, vf z,
+                                                         vf moved_x, vf moved_y, vf moved_z,
+                                                         vf reach) {
+    const float unit = (float)batch->map->occluders.slope_unit;
+    const vf rounding = 2 * (float)SHB_FLOAT_ROUNDING * vf_abs(z);
+    return (mutual_lanes){z, (moved_z + rounding) + reach * (2 * (float)SHB_HALF_ABSOLUTE * unit),
+                          moved_x * unit, moved_y * unit, unit};
+}
+
+static inline ALWAYS_INLINE mutual_lanes mutual_lanes_at(const mutual_batch *batch, size_t i) {
+    return mutual_lanes_of(batch, vf_load(batch->receivers.depth + i), vf_load(batch->moved_x + i),
+                           vf_load(batch->moved_y + i), vf_load(batch->moved_z + i),
+                           vf_load(batch->reach + i));
+}
+
+static inline ALWAYS_INLINE mutual_lanes mutual_lanes_of_one(const mutual_batch *batch, size_t i) {
+    return mutual_lanes_of(batch, vf_splat(batch->receivers.depth[i]), vf_splat(batch->moved_x[i]),
+                           vf_splat(batch->moved_y[i]), vf_splat(batch->moved_z[i]),
+                           vf_splat(batch->reach[i]));
+}
+
+/* A length in texels along one axis, from the fragment to a tap, and what the slope of the tap's
+ * plane may be off by times that, all by the slope: the rounding to half floats, and of the sums
+ * and products here. */
+typedef struct mutual_way {
+    vf to, miss;
+} mutual_way;
+
+static inline ALWAYS_INLINE mutual_way mutual_way_of(const mutual_lanes *own, vf moved, vf texels) {
+    const vf to = texels * own->unit;
+    return (mutual_way){to, moved + ((float)SHB_HALF_RELATIVE + 0x1p-20f) * vf_abs(to)};
+}
+
+/* Two half floats, x low and y high. */
+#define HALF_SIGN 0x80000000u
+#define HALF_SIZE 0x7fff0000u
+#define HALF_INFINITY 65536.0f
+
+/* The size of a half float in the high bits: its exponent counts from 15, that of a float from 127;
+ * infinity becomes HALF_INFINITY. */
+static inline ALWAYS_INLINE vf half_size(vu half) {
+    return (vf)((half & HALF_SIZE) >> 3) * 0x1p112f;
+}
+
+/* -1 where the plane of the texel's occluder, through what is stored, passes in front of the
+ * fragment. */
+static inline ALWAYS_INLINE vi passes_in_front(const mutual_lanes *own, mutual_way x, mutual_way y,
+                                               vf stored, vu texels) {
+    const vu half_x = texels << 16, half_y = texels;
+    const vf size_x = half_size(half_x), size_y = half_size(half_y);
+    const vf rise_x = size_x * ((vf)((vu)x.to ^ (half_x & HALF_SIGN)) - x.miss);
+    const vf rise_y = size_y * ((vf)((vu)y.to ^ (half_y & HALF_SIGN)) - y.miss);
+    return ((own->z - stored) + (rise_x + rise_y) > own->base) &
+           (vf_max(size_x, size_y) < HALF_INFINITY);
 }

@@ -14,6 +14,9 @@ typedef struct pcss_lanes {
     vf depth; /* not beyond the far plane */
     vf ref, step_x, step_y;
     vf cosine, sine; /* of the disk's turn */
+    mutual_batch
+        *mutual; /* of the exact method, else NULL; these are its fragments from first on */
+    size_t first;
 } pcss_lanes;
 
 /* What stands in front of the receiver plane, as the sum of taps and of their depths. */
@@ -74,6 +77,8 @@ static inline ALWAYS_INLINE pcss_blocked ask_disk(const shb_pcss *pcss, const sh
         vi blocked = stored < vf_min(tap, far_depth);
         if (!inside)
             blocked &= in_map;
+        if (own->mutual && vi_any(blocked))
+            blocked = shadowed_taps(own->mutual, own->first, blocked, taps.m, taps.n, stored);
         hits -= blocked;
         if (sums)
             depth += vf_keep(blocked, stored);
@@ -170,7 +175,10 @@ static inline ALWAYS_INLINE void ask_square(const shb_pcss *pcss, const shb_map 
             const float run = (float)n * step_y;
             for (int p = 0; p < SQUARE_PARTS; p++) {
                 const vf texel = sign * vf_load(stored + p * WIDE);
-                const vi hit = texel < vf_min(tap[p] + run, far_depth);
+                vi hit = texel < vf_min(tap[p] + run, far_depth);
+                if (own->mutual && vi_any(hit))
+                    hit = shadowed_taps_of_one(own->mutual, own->first + (size_t)lane, hit,
+                                               first + p * WIDE, n, texel);
                 row_weight[p] += vf_keep(hit, part);
                 if (sums)
                     row_depth[p] += vf_keep(hit, part * texel);
@@ -218,13 +226,22 @@ static vf radius_lanes(float texels, vf depth, vf blocker) {
     return vf_min(vf_max(radius, vf_splat(SHB_PCSS_LEAST)), vf_splat(SHB_PCSS_MOST));
 }
 
-static pcss_lanes load_pcss_lanes(const shb_pcss *pcss, const shb_receivers *r, size_t i) {
+/* How far taps of a kernel lie from the fragment on an axis, texels. */
+static vf exact_reach(vf radius) {
+    return 1.5f * radius + 2.0f;
+}
+
+/* mutual: NULL but for the exact method. */
+static pcss_lanes load_pcss_lanes(const shb_pcss *pcss, const shb_receivers *r,
+                                  mutual_batch *mutual, size_t i) {
     pcss_lanes own = {.texel_x = vi_load(r->texel_x + i),
                       .texel_y = vi_load(r->texel_y + i),
                       .to_center_x = vf_load(r->to_center_x + i),
                       .to_center_y = vf_load(r->to_center_y + i),
                       .depth = vf_min(vf_load(r->depth + i), vf_splat(pcss->far_depth)),
-                      .ref = vf_load(r->ref + i)};
+                      .ref = vf_load(r->ref + i),
+                      .mutual = mutual,
+                      .first = i};
     if (!pcss->own_depth) {
         own.step_x = vf_load(r->step_x + i);
         own.step_y = vf_load(r->step_y + i);
@@ -281,28 +298,52 @@ static vf pcss_of_lanes(const shb_pcss *pcss, const shb_map *map, const pcss_lan
 /* After a question to the pyramid that settled nothing, so many vectors are not asked for. */
 #define PCSS_PAUSE 3
 
-/* The filter's kernel lies within that of the search, so what is plain there is plain here. */
-static void pcss_batch(const shb_pcss *pcss, const shb_map *map, size_t count,
-                       const shb_receivers *restrict receivers, float *restrict visibility) {
+/* The filter's kernel lies within that of the search, so what is plain there is plain here; but
+ * what is dark before the fragment's plane need not be so by the exact method. */
+static void ask_pcss(const shb_pcss *pcss, const shb_map *map, size_t count,
+                     const shb_receivers *restrict receivers, mutual_batch *mutual,
+                     float *restrict visibility) {
     const size_t lanes = shb_round_to_lanes(count);
     const vf near_depth = vf_splat(pcss->near_depth);
     int pause = 0;
     for (size_t i = 0; i < lanes; i += WIDE) {
-        const pcss_lanes own = load_pcss_lanes(pcss, receivers, i);
+        pcss_lanes own = load_pcss_lanes(pcss, receivers, mutual, i);
         const vf search_x = radius_lanes(pcss->texels_x, own.depth, near_depth);
         const vf search_y = radius_lanes(pcss->texels_y, own.depth, near_depth);
         pcss_open open = {((vu)own.texel_x < map->info.width) &
                               ((vu)own.texel_y < map->info.height),
                           vf_splat(1.0f)};
         if (pcss->pyramid && pause-- <= 0) {
-            const plain_outcome plain =
-                ask_pyramid(pcss, map, &own, search_x, search_y, open.lanes);
+            plain_outcome plain = ask_pyramid(pcss, map, &own, search_x, search_y, open.lanes);
+            if (mutual)
+                plain.dark = vi_splat(0);
             open.visibility = vf_where(plain.dark, vf_splat(0.0f), open.visibility);
             open.lanes &= ~(plain.lit | plain.dark);
             pause = vi_any(plain.lit | plain.dark) ? 0 : PCSS_PAUSE;
         }
+        own.ref = vf_where(open.lanes, own.ref, vf_splat(-INFINITY));
         if (vi_any(open.lanes))
             open.visibility = pcss_of_lanes(pcss, map, &own, search_x, search_y, open);
         vf_store(visibility + i, open.visibility);
     }
+}
+
+static void pcss_batch(const shb_pcss *pcss, const shb_map *map, size_t count,
+                       const shb_receivers *receivers, float *visibility) {
+    ask_pcss(pcss, map, count, receivers, NULL, visibility);
+}
+
+/* By the exact method; the planes of fragments are written for the reach of their searches. */
+static void pcss_exact(const shb_pcss *pcss, const shb_filter_args *args) {
+    const vf near_depth = vf_splat(pcss->near_depth);
+    mutual_batch mutual;
+    mutual_batch_init(args, &mutual);
+    for (size_t i = 0; i < shb_round_to_lanes(args->count); i += WIDE) {
+        const vf depth = vf_min(vf_load(mutual.receivers.depth + i), vf_splat(pcss->far_depth));
+        vf_store(mutual.reach + i,
+                 exact_reach(vf_max(radius_lanes(pcss->texels_x, depth, near_depth),
+                                    radius_lanes(pcss->texels_y, depth, near_depth))));
+    }
+    mutual_batch_finish(&mutual, args->count);
+    ask_pcss(pcss, args->map, args->count, &mutual.receivers, &mutual, args->visibility);
 }

@@ -50,9 +50,11 @@ static void scatter_init(const shb_filter_args *args, float reach, float unit, f
     memset(batch->shadowed, 0, sizeof batch->shadowed);
     for (size_t i = 0; batch->taps == SHB_TAPS_NAIVE && i < batch->lanes; i++)
         batch->surfaces[i] = shb_tap_surface_of(&args->map->rows, r, i);
-    for (size_t i = 0; mutual && i < batch->lanes; i++)
-        write_mutual_plane(&mutual->fragments[i], (double)batch->reach[i] * 1.5 + 2,
-                           &mutual->receivers, i);
+    if (!mutual)
+        return;
+    for (size_t i = 0; i < batch->lanes; i++)
+        mutual->reach[i] = batch->reach[i] * 1.5f + 2;
+    mutual_batch_finish(mutual, args->count);
 }
 
 /* The texel in a row that holds a place d texels from the fragment. */
@@ -85,15 +87,18 @@ static void scatter_depths(const scatter_batch *batch, float *restrict depth) {
     }
 }
 
-/* Drops the taps that the plane of their own occluder does not shadow. */
-static void scatter_mutual(scatter_batch *batch) {
+/* Leaves the taps that lie in front of the fragment's plane and whose occluder shadows it. */
+static void scatter_mutual(scatter_batch *batch, int32_t *shadowed) {
     const shb_map_info *info = &batch->map->info;
-    for (size_t i = 0; i < batch->lanes; i++) {
-        const int32_t x = batch->texel_x[i], y = batch->texel_y[i];
-        const bool inside = ((uint32_t)x < info->width) & ((uint32_t)y < info->height);
-        batch->depth[i] = inside ? mutual_tap(batch->map, &batch->mutual->fragments[i], x, y,
-                                              batch->stored[i], batch->depth[i])
-                                 : NAN;
+    for (size_t i = 0; i < batch->lanes; i += WIDE) {
+        const vi x = vi_load(batch->texel_x + i), y = vi_load(batch->texel_y + i);
+        vi hits = vi_load(shadowed + i) != 0;
+        hits &= ((vu)x < info->width) & ((vu)y < info->height);
+        if (vi_any(hits))
+            hits = shadowed_taps(
+                batch->mutual, i, hits, __builtin_convertvector(vi_load(batch->column + i), vf),
+                __builtin_convertvector(vi_load(batch->row + i), vf), vf_load(batch->stored + i));
+        vi_store(shadowed + i, hits & 1);
     }
 }
 
@@ -103,10 +108,10 @@ static void scatter_ask(scatter_batch *restrict batch, int32_t *restrict shadowe
     const float far_depth = batch->far_depth;
     scatter_depths(batch, batch->depth);
     fetch(batch->map, lanes, batch->texel_x, batch->texel_y, batch->stored);
-    if (batch->mutual)
-        scatter_mutual(batch);
     for (size_t i = 0; i < lanes; i++)
         shadowed[i] = (batch->stored[i] < batch->depth[i]) & (batch->stored[i] < far_depth);
+    if (batch->mutual)
+        scatter_mutual(batch, shadowed);
 }
 
 /* The same for the tap at (dx, dy), added to the others. */

@@ -19,7 +19,15 @@
 
 #include "k_bias.inl"
 
+#include "k_mutual.inl"
+
+#include "k_mutual_triangles.inl"
+
+#include "k_mutual_taps.inl"
+
 #include "k_filter.inl"
+
+#include "k_filter_exact.inl"
 
 #include "k_scatter.inl"
 
@@ -30,8 +38,6 @@
 #include "k_pyramid.inl"
 
 #include "k_pcss.inl"
-
-#include "k_pcss_exact.inl"
 
 const shb_shade_kernels SHADE_KERNELS = {
     .load = load_triples,

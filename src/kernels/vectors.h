@@ -39,6 +39,11 @@ static inline void vi_store(int32_t *p, vi v) {
 static inline vf vf_where(vi mask, vf yes, vf no) {
     return (vf)((mask & (vi)yes) | (~mask & (vi)no));
 }
+/* 0, 1, 2, ... */
+static inline vi vi_numbers(void) {
+    static const int32_t numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    return vi_load(numbers);
+}
 /* a where the mask is set, else 0. */
 static inline vf vf_keep(vi mask, vf a) {
     return (vf)(mask & (vi)a);
