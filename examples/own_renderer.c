@@ -68,7 +68,8 @@ int main(void) {
         shb_context_create(NULL, &context) || shb_map_wrap(context, &desc, depths, 0, NULL, &map))
         return 1;
     draw_depths(&world_from_clip);
-    const shb_points traced = {trace_picture(), points[0], 0, normals[0], 0};
+    const shb_points traced = {
+        .count = trace_picture(), .positions = points[0], .normals = normals[0]};
     if (shb_map_visibility(map, &traced, &bias, NULL, visibility)) {
         fprintf(stderr, "own_renderer: no visibility\n");
         return 1;

@@ -113,6 +113,7 @@ static void ask_points(void *arg, size_t index) {
     part.positions += begin * (part.position_stride ? part.position_stride / 4 : 3);
     if (part.normals)
         part.normals += begin * (part.normal_stride ? part.normal_stride / 4 : 3);
+    part.own = (shb_own_triangles){0};
     shb_map_visibility(q->map, &part, q->desc->bias, q->desc->filter, q->seen + begin);
     for (size_t i = begin; i < begin + part.count; i++)
         q->sum[i] += q->seen[i];
@@ -126,6 +127,7 @@ static shb_result ask_map(query *q, shb_map *map) {
         result = shb_map_prepare(map, desc->filter);
     /* What can fail fails for the first point. */
     shb_points first = *q->points;
+    first.own = (shb_own_triangles){0};
     first.count = first.count ? 1 : 0;
     if (!result)
         result = shb_map_visibility(map, &first, desc->bias, desc->filter, q->seen);

@@ -2,6 +2,7 @@
 
 #include "exact.h"
 
+#include "exact_points.h"
 #include "exact_triangles.h"
 #include "format.h"
 #include "half.h"
@@ -128,27 +129,26 @@ static void ask_planes(const shb_map *map, size_t lanes, const shb_receivers *re
     }
 }
 
-static void ask_lists(const shb_lists *lists, size_t count, const shb_receivers *receivers,
-                      float *visibility) {
-    double x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH];
-    for (size_t i = 0; i < count; i++) {
-        x[i] = (double)receivers->x[i];
-        y[i] = (double)receivers->y[i];
-        z[i] = (double)receivers->z[i];
-    }
-    const shb_list_points points = {
-        .count = count, .x = x, .y = y, .z = z, .rounding = SHB_FLOAT_ROUNDING};
-    shb_lists_query(lists, &points, visibility);
+static void ask_lists(const shb_lists *lists, const shb_exact_points *points, float *visibility) {
+    const shb_list_points asked = {.count = points->count,
+                                   .x = points->x,
+                                   .y = points->y,
+                                   .z = points->z,
+                                   .own_ids = points->has_ids ? points->own_ids : NULL,
+                                   .rounding = points->are_exact ? 0 : SHB_FLOAT_ROUNDING};
+    shb_lists_query(lists, &asked, visibility);
 }
 
 /* By all that the map keeps for the exact method; nothing held: an empty map. */
-static void ask_occluders(const shb_map *map, size_t lanes, const shb_receivers *receivers,
-                          float *visibility) {
-    const bool walks = map->info.occluders == SHB_OCCLUDERS_TRIANGLES;
+static void ask_occluders(const shb_map *map, const shb_exact_points *points,
+                          const shb_receivers *receivers, float *visibility) {
+    const size_t lanes = shb_round_to_lanes(points->count);
     if (map->lists) {
-        ask_lists(map->lists, lanes, receivers, visibility);
+        ask_lists(map->lists, points, visibility);
+    } else if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES && map->occluders.held) {
+        shb_exact_ask_triangles(map, points, receivers, visibility);
     } else if (map->occluders.held) {
-        (walks ? shb_exact_ask_triangles : ask_planes)(map, lanes, receivers, visibility);
+        ask_planes(map, lanes, receivers, visibility);
     } else {
         for (size_t i = 0; i < lanes; i++)
             visibility[i] = 1;
@@ -157,13 +157,19 @@ static void ask_occluders(const shb_map *map, size_t lanes, const shb_receivers 
 
 /* Writes the answers that are certain, and the numbers of the other fragments; returns how many
  * these are. */
-static size_t settle(const shb_map *map, size_t count, const shb_receivers *receivers,
-                     float *visibility, uint16_t unsure[SHB_BATCH]) {
+static size_t settle(const shb_map *map, const shb_exact_points *points, float *visibility,
+                     uint16_t unsure[SHB_BATCH]) {
     SHB_ALIGN int32_t answers[SHB_BATCH];
+    SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH];
     const shb_sheet_kernels *kernels = shb_sheet_kernels_of(map->context->isa);
-    kernels->ask(&map->occluders.sheets, count, receivers->x, receivers->y, receivers->z, answers);
+    for (size_t i = 0; i < shb_round_to_lanes(points->count); i++) {
+        x[i] = (float)points->x[i];
+        y[i] = (float)points->y[i];
+        z[i] = (float)points->z[i];
+    }
+    kernels->ask(&map->occluders.sheets, points->count, x, y, z, answers);
     size_t left = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < points->count; i++) {
         visibility[i] = answers[i] == SHB_LIGHT_SHADOWED ? 0.0f : 1.0f;
         unsure[left] = (uint16_t)i;
         left += answers[i] == SHB_LIGHT_UNSURE;
@@ -189,24 +195,28 @@ static void pick(const shb_receivers *restrict from, const uint16_t *numbers, si
 }
 
 /* Few fragments are left for the occluders where sheets know the others. */
-static void ask_sheets_first(const shb_map *map, size_t count, const shb_receivers *receivers,
-                             float *visibility) {
+static void ask_sheets_first(const shb_map *map, const shb_exact_points *points,
+                             const shb_receivers *receivers, float *visibility) {
     uint16_t unsure[SHB_BATCH];
     SHB_ALIGN float answers[SHB_BATCH];
+    shb_exact_points left_points;
     shb_receivers left;
-    const size_t left_count = settle(map, count, receivers, visibility, unsure);
+    const size_t left_count = settle(map, points, visibility, unsure);
     if (left_count == 0)
         return;
+    shb_exact_points_pick(points, unsure, left_count, &left_points);
     pick(receivers, unsure, left_count, !map->lists, &left);
-    ask_occluders(map, shb_round_to_lanes(left_count), &left, answers);
+    ask_occluders(map, &left_points, &left, answers);
     for (size_t k = 0; k < left_count; k++)
         visibility[unsure[k]] = answers[k];
 }
 
-void shb_exact_visibility(const shb_map *map, size_t count, const shb_receivers *receivers,
-                          bool lifted, float *visibility) {
-    if (map->classifies && map->occluders.held && !lifted)
-        ask_sheets_first(map, count, receivers, visibility);
+void shb_exact_visibility(const shb_filter_args *args) {
+    const shb_map *map = args->map;
+    shb_exact_points points;
+    shb_exact_points_of(args, &points);
+    if (map->classifies && map->occluders.held && !args->lifted)
+        ask_sheets_first(map, &points, args->receivers, args->visibility);
     else
-        ask_occluders(map, shb_round_to_lanes(count), receivers, visibility);
+        ask_occluders(map, &points, args->receivers, args->visibility);
 }

@@ -26,9 +26,7 @@ shb_exact_fragment shb_exact_fragment_of(const shb_light_rows *rows, const doubl
  * at its own place. */
 bool shb_exact_is_shadowed(const shb_exact_fragment *fragment, const shb_exact_sample *sample);
 
-/* One batch; receivers holds positions and, unless the map keeps lists, normals. lifted: the
- * positions do not lie on the scene's surface. */
-void shb_exact_visibility(const shb_map *map, size_t count, const shb_receivers *receivers,
-                          bool lifted, float *visibility);
+/* The function exact of the filter hard. */
+void shb_exact_visibility(const shb_filter_args *args);
 
 #endif

@@ -23,6 +23,7 @@ typedef struct asking {
     const shb_map *map;
     const shb_receivers *receivers;
     size_t number;
+    uint32_t own_id;
     shb_light_point point;
     int32_t column, row;
     shb_walk walks[4];
@@ -45,7 +46,7 @@ static hit compare_depth(const asking *a, uint32_t triangle) {
 static hit next_hit(const asking *a, shb_walk *walk) {
     hit found = HIT_NONE;
     for (uint32_t met; !found && (met = shb_walk_next(walk)) != SHB_ID_NONE;)
-        found = compare_depth(a, met);
+        found = met == a->own_id ? HIT_OWN : compare_depth(a, met);
     return found;
 }
 
@@ -120,15 +121,16 @@ static bool is_inside(const shb_map *map, const shb_light_point *point) {
            point->y < map->info.height;
 }
 
-void shb_exact_ask_triangles(const shb_map *map, size_t lanes, const shb_receivers *receivers,
-                             float *visibility) {
+void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
+                             const shb_receivers *receivers, float *visibility) {
+    const double rounding = points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING;
     asking a = {.map = map, .receivers = receivers};
-    for (size_t i = 0; i < lanes; i++) {
-        const double position[3] = {(double)receivers->x[i], (double)receivers->y[i],
-                                    (double)receivers->z[i]};
+    for (size_t i = 0; i < points->count; i++) {
+        const double position[3] = {points->x[i], points->y[i], points->z[i]};
         visibility[i] = 1;
         a.number = i;
-        a.point = shb_light_point_at(&map->rows, position, SHB_FLOAT_ROUNDING);
+        a.own_id = points->own_ids[i];
+        a.point = shb_light_point_at(&map->rows, position, rounding);
         if (!is_inside(map, &a.point))
             continue;
         a.column = (int32_t)a.point.x;

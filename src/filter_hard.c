@@ -10,7 +10,7 @@ static void hard(const shb_filter_args *args) {
 }
 
 static void hard_exact(const shb_filter_args *args) {
-    shb_exact_visibility(args->map, args->count, args->receivers, args->lifted, args->visibility);
+    shb_exact_visibility(args);
 }
 
 shb_filter shb_filter_hard(void) {

@@ -154,8 +154,11 @@ static void ask_light(const shading *job, size_t k, size_t count, workspace *wor
     shb_lighting *lighting = &work->lighting[k];
     float *visibility = lighting->visibility;
     read_receivers(job, k, count, work);
-    shb_visibility_batch(light->map, light->bias, &job->filters[k], count,
-                         job->desc->smooth_terminator, &work->receivers, visibility);
+    const shb_fragments *fragments = &work->fragments;
+    const shb_own_triangles own = {fragments->id, fragments->weight_1, fragments->weight_2};
+    const bool lifted = job->desc->smooth_terminator;
+    shb_visibility_batch(light->map, light->bias, &job->filters[k], count, lifted,
+                         lifted ? NULL : &own, &work->receivers, visibility);
     for (size_t i = count; i % SHB_LANES; i++)
         visibility[i] = visibility[count - 1];
     job->kernels->lighting(&job->lights[k], (uint32_t)k, count, &work->fragments, work->facing,

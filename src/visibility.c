@@ -1,5 +1,6 @@
 #include "visibility.h"
 
+#include "exact_points.h"
 #include "kernels/shade.h"
 #include "kernels/sheets.h"
 #include "prepare.h"
@@ -103,12 +104,14 @@ static void light_all(size_t count, float *visibility) {
 }
 
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
-                          size_t count, bool lifted, shb_receivers *receivers, float *visibility) {
+                          size_t count, bool lifted, const shb_own_triangles *own,
+                          shb_receivers *receivers, float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
     const shb_bias_args bias_args = {count, bias, &map->info, receivers, kernels};
     const shb_filter_args filter_args = {
         count,     filter,     map,    &map->info,
-        receivers, visibility, lifted, shb_prepared_find(map, filter)};
+        receivers, visibility, lifted, shb_prepared_find(map, filter),
+        own};
 
     if (bias->needs & SHB_NEEDS_OCCLUDERS) {
         if (map->occluders.held)
@@ -170,7 +173,19 @@ shb_result shb_points_check(const shb_context *context, const char *caller,
                         "%s: points.position_stride %zu or points.normal_stride %zu is not a "
                         "multiple of 4",
                         caller, points->position_stride, points->normal_stride);
+    if (!points->own.weight_1 != !points->own.weight_2 ||
+        (points->own.weight_1 && !points->own.ids))
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "%s: of points.own.ids, weight_1 and weight_2 some are NULL that others "
+                        "need",
+                        caller);
     return SHB_OK;
+}
+
+static shb_own_triangles own_from(const shb_own_triangles *own, size_t first) {
+    return (shb_own_triangles){own->ids ? own->ids + first : NULL,
+                               own->weight_1 ? own->weight_1 + first : NULL,
+                               own->weight_2 ? own->weight_2 + first : NULL};
 }
 
 static shb_result check_points(const shb_map *map, const shb_points *points,
@@ -189,6 +204,8 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
     if (result == SHB_OK)
         result = shb_visibility_check(map, "shb_map_visibility", bias, filter,
                                       points->normals || points->count == 0);
+    if (result == SHB_OK && bias->needs & SHB_NEEDS_OCCLUDERS)
+        result = shb_own_triangles_check(map, "shb_map_visibility", points);
     if (result != SHB_OK)
         return result;
 
@@ -209,7 +226,8 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
                  batch.normal_y, batch.normal_z);
             prefetch(points->normals, normal_stride, first + count, points->count);
         }
-        shb_visibility_batch(map, bias, filter ? filter : &hard, count, false, &batch,
+        const shb_own_triangles own = own_from(&points->own, first);
+        shb_visibility_batch(map, bias, filter ? filter : &hard, count, false, &own, &batch,
                              batch_visibility);
         memcpy(visibility + first, batch_visibility, count * sizeof *visibility);
     }

@@ -15,8 +15,9 @@ shb_result shb_points_check(const shb_context *context, const char *caller,
 
 /* One batch that passed the check. receivers holds positions and, if the method needs them, normals
  * of either side, up to the count rounded up to whole vectors; the rest of it is written here.
- * lifted: the positions were moved off their surface. */
+ * lifted: the positions were moved off their surface. own: of the batch, or NULL. */
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
-                          size_t count, bool lifted, shb_receivers *receivers, float *visibility);
+                          size_t count, bool lifted, const shb_own_triangles *own,
+                          shb_receivers *receivers, float *visibility);
 
 #endif

@@ -69,7 +69,7 @@ static size_t count_shadowed(const shb_map *map, const shb_bias *bias, shb_vec3 
         normals[3 * i + 1] = (float)normal.y;
         normals[3 * i + 2] = (float)normal.z;
     }
-    const shb_points points = {count, positions, 0, normals, 0};
+    const shb_points points = {.count = count, .positions = positions, .normals = normals};
     CHECK_INT(shb_map_visibility(map, &points, bias, NULL, visibility), SHB_OK);
     size_t shadowed = 0;
     for (size_t i = 0; i < count; i++)

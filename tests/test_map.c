@@ -86,7 +86,7 @@ TEST(an_empty_map_lights_everything_by_any_method) {
         normals[i] = (float)random_double(&random, -1, 1);
     }
     positions[2] = -50; /* beyond the far plane */
-    const shb_points points = {100, positions, 0, normals, 0};
+    const shb_points points = {.count = 100, .positions = positions, .normals = normals};
     size_t count;
     const shb_bias_method *methods = shb_bias_methods(&count);
     for (int format = 0; format < 3; format++)
@@ -437,7 +437,7 @@ TEST(asking_allocates_nothing) {
     CHECK_INT(shb_map_create(host.context, &desc, &map), SHB_OK);
     const size_t calls = host.memory.calls;
     static float positions[3000], visibility[1000];
-    const shb_points points = {1000, positions, 0, positions, 0};
+    const shb_points points = {.count = 1000, .positions = positions, .normals = positions};
     const shb_bias bias = shb_bias_adaptive(1e-4f, 1);
     CHECK_INT(shb_map_visibility(map, &points, &bias, NULL, visibility), SHB_OK);
     CHECK_INT(host.memory.calls, calls);

@@ -381,8 +381,12 @@ TEST(pcf_decodes_unorm_depths_to_the_bits_of_fetch) {
             shb_receivers r = {.ref = {depth, nextafterf(depth, 2)}};
             const shb_filter box = shb_filter_pcf(1, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
             SHB_ALIGN float seen[SHB_BATCH];
-            const shb_filter_args args = {2,  &box, made.map, shb_map_get_info(made.map),
-                                          &r, seen, false,    NULL};
+            const shb_filter_args args = {.count = 2,
+                                          .filter = &box,
+                                          .map = made.map,
+                                          .info = shb_map_get_info(made.map),
+                                          .receivers = &r,
+                                          .visibility = seen};
             box.filter(&args);
             visibility[0] = seen[0], visibility[1] = seen[1];
             wrong += visibility[0] != 1 || visibility[1] != 0;

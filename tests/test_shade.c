@@ -695,8 +695,11 @@ TEST(shade_visibility_is_what_the_map_says_of_the_position) {
     unsigned differing = 0, lit = 0, shadowed = 0, away = 0;
     for (int k = 0; k < 2; k++) {
         float *visibility = malloc(sizeof *visibility * WIDE * TALL);
-        const shb_points points = {WIDE * TALL, pixels->position, sizeof *pixels, pixels->normal,
-                                   sizeof *pixels};
+        const shb_points points = {.count = WIDE * TALL,
+                                   .positions = pixels->position,
+                                   .position_stride = sizeof *pixels,
+                                   .normals = pixels->normal,
+                                   .normal_stride = sizeof *pixels};
         CHECK_INT(shb_map_visibility(lights[k].map, &points, &bias, NULL, visibility), SHB_OK);
         const shb_light_source source = shb_map_get_info(lights[k].map)->light;
         for (int i = 0; i < WIDE * TALL; i++) {

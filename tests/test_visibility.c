@@ -72,7 +72,8 @@ TEST(visibility_does_not_depend_on_the_count) {
         float single[POINTS];
         int lit = 0;
         for (int i = 0; i < POINTS; i++) {
-            const shb_points one = {1, data + 6 * i, 0, data + 6 * i + 3, 0};
+            const shb_points one = {
+                .count = 1, .positions = data + 6 * i, .normals = data + 6 * i + 3};
             CHECK_INT(shb_map_visibility(host.map, &one, &bias, NULL, &single[i]), SHB_OK);
             lit += single[i] == 1;
         }
@@ -82,7 +83,11 @@ TEST(visibility_does_not_depend_on_the_count) {
             float together[POINTS + 1];
             for (int i = 0; i <= POINTS; i++)
                 together[i] = -5;
-            const shb_points all = {counts[c], data, 24, data + 3, 24};
+            const shb_points all = {.count = counts[c],
+                                    .positions = data,
+                                    .position_stride = 24,
+                                    .normals = data + 3,
+                                    .normal_stride = 24};
             CHECK_INT(shb_map_visibility(host.map, &all, &bias, NULL, together), SHB_OK);
             CHECK(memcmp(together, single, counts[c] * sizeof *single) == 0);
             CHECK(together[counts[c]] == -5);
@@ -97,7 +102,11 @@ TEST(points_come_in_any_stride) {
     const shb_bias bias = shb_bias_adaptive(1e-4f, 0);
     noise host;
     open_noise(&host, NULL);
-    const shb_points tight = {POINTS, data, 24, data + 3, 24};
+    const shb_points tight = {.count = POINTS,
+                              .positions = data,
+                              .position_stride = 24,
+                              .normals = data + 3,
+                              .normal_stride = 24};
     CHECK_INT(shb_map_visibility(host.map, &tight, &bias, NULL, expected), SHB_OK);
     const size_t strides[] = {12, 16, 20, 44, 0};
     for (int p = 0; p < 5; p++)
@@ -111,7 +120,11 @@ TEST(points_come_in_any_stride) {
                 memcpy(positions + i * position_step, data + 6 * i, 12);
                 memcpy(normals + i * normal_step, data + 6 * i + 3, 12);
             }
-            const shb_points points = {POINTS, positions, strides[p], normals, strides[n]};
+            const shb_points points = {.count = POINTS,
+                                       .positions = positions,
+                                       .position_stride = strides[p],
+                                       .normals = normals,
+                                       .normal_stride = strides[n]};
             float seen[POINTS];
             CHECK_INT(shb_map_visibility(host.map, &points, &bias, NULL, seen), SHB_OK);
             CHECK(memcmp(seen, expected, sizeof expected) == 0);
@@ -180,7 +193,11 @@ static void write_ref(const shb_filter_args *args) {
 TEST(methods_name_all_that_they_need) {
     static float data[6 * POINTS];
     random_points(data);
-    const shb_points points = {200, data, 24, data + 3, 24};
+    const shb_points points = {.count = 200,
+                               .positions = data,
+                               .position_stride = 24,
+                               .normals = data + 3,
+                               .normal_stride = 24};
     const shb_bias poisonous = {.name = "poison", .depth = poison};
     const shb_filter filter = {.name = "ref", .filter = write_ref};
     const shb_filter hard = shb_filter_hard();
@@ -226,7 +243,11 @@ TEST(lanes_after_the_count_repeat_the_last_fragment) {
                            .needs = SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE};
     noise host;
     open_noise(&host, NULL);
-    const shb_points points = {5, data, 24, data + 3, 24};
+    const shb_points points = {.count = 5,
+                               .positions = data,
+                               .position_stride = 24,
+                               .normals = data + 3,
+                               .normal_stride = 24};
     float visibility[5];
     CHECK_INT(shb_map_visibility(host.map, &points, &bias, NULL, visibility), SHB_OK);
     close_noise(&host);

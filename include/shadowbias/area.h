@@ -56,9 +56,9 @@ typedef struct shb_area_desc {
  * Each map looks as desc.map.view does, from its own place on the light, through a window around
  * those points that this view sees; near and far plane move with the light. A point outside of
  * desc.map.view is lit. Each map is drawn and asked on the context's threads and released before
- * the next. Errors: those of shb_map_create, shb_map_draw and shb_map_visibility, and of the light
- * and the samples as above; SHB_ERROR_ARGUMENT if one of light and view is a direction and the
- * other is not. One call at a time for a context. */
+ * the next; points.own is not read. Errors: those of shb_map_create, shb_map_draw and
+ * shb_map_visibility, and of the light and the samples as above; SHB_ERROR_ARGUMENT if one of light
+ * and view is a direction and the other is not. One call at a time for a context. */
 shb_result shb_area_visibility(shb_context *context, const shb_area_desc *desc,
                                const shb_points *points, float *visibility);
 

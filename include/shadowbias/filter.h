@@ -18,6 +18,20 @@ extern "C" {
 typedef struct shb_map shb_map;
 typedef struct shb_filter shb_filter;
 
+/* What is known of the triangles that points lie on: arrays of one element a point. The exact
+ * method reads them where the map keeps triangles or lists and the filter is hard; nothing else
+ * does. */
+typedef struct shb_own_triangles {
+    const uint32_t *ids; /* of the scene that the map was drawn from, as shb_draw counts them; NULL:
+                            unknown. A point's own triangle does not shadow it */
+    const float *weight_1; /* barycentric weights of the triangle's second and third corner: both */
+    const float
+        *weight_2; /* or, NULL, neither. With them the points are those that ids and weights
+                      name, in double: nothing is left to the rounding of positions. Points
+                      are taken by batches of SHB_BATCH; one with a position that is off by
+                      2^-18 of the size of its corners' coordinates goes by positions alone */
+} shb_own_triangles;
+
 typedef struct shb_filter_args {
     size_t count; /* 1 .. SHB_BATCH */
     const shb_filter *filter;
@@ -27,6 +41,7 @@ typedef struct shb_filter_args {
     float *visibility;    /* out: 0 shadowed .. 1 lit; SHB_BATCH elements, 64-byte aligned */
     bool lifted;          /* the points were moved off their surface, for a smooth terminator */
     const void *prepared; /* what prepare made of this map for this filter; NULL: nothing */
+    const shb_own_triangles *own; /* of the batch; NULL: unknown */
 } shb_filter_args;
 
 /* Works on the whole batch; must be thread-safe and may not fail. A tap outside the map is lit. The

@@ -81,12 +81,15 @@ typedef struct shb_points {
     const float *normals; /* unit geometric normals of either side, not shading normals; NULL if the
                              method does not need them */
     size_t normal_stride;
+    shb_own_triangles own; /* the triangles that the points lie on, or all NULL */
 } shb_points;
 
 /* Visibility of the light from count points: 0 shadowed .. 1 lit. filter NULL: hard. Allocates
  * nothing; any thread, any number at a time. SHB_ERROR_UNSUPPORTED if method or filter need normals
  * that are missing, a map drawn or prepared for them, or do not go together; SHB_ERROR_ARGUMENT for
- * NULL pointers or bad strides. */
+ * NULL pointers, bad strides, weights without ids or one without the other, and, where they are
+ * read, ids that the map's scene does not have (SHB_ID_NONE: unknown, may stand for some of them
+ * where there are no weights). */
 shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,
                               const shb_filter *filter, float *visibility);
 

@@ -1,0 +1,121 @@
+#include "strict.h"
+
+#include "exact_points.h"
+
+#include "lists.h"
+#include "project.h"
+
+#include <math.h>
+
+/* Of the sizes of a triangle's corners: what a host may have rounded away from a position. */
+#define AGREEMENT 0x1p-18
+
+/* The scene that a map was drawn from. */
+typedef struct drawn_mesh {
+    size_t triangle_count;
+    const uint32_t (*corners)[3];
+    const double (*vertices)[3];
+} drawn_mesh;
+
+/* Without triangles where the map has no use for them. */
+static drawn_mesh mesh_of(const shb_map *map) {
+    const shb_topology *t = &map->occluders.topology;
+    if (map->lists)
+        return (drawn_mesh){map->lists->id_count, (const uint32_t(*)[3])map->lists->corners,
+                            (const double(*)[3])map->lists->vertices};
+    if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES && map->occluders.held)
+        return (drawn_mesh){t->triangle_count, (const uint32_t(*)[3])t->corners,
+                            (const double(*)[3])t->positions};
+    return (drawn_mesh){0};
+}
+
+/* From the first corner, as the truth has it. False: far from where it should be. */
+static bool place(const drawn_mesh *mesh, const shb_own_triangles *own, size_t i,
+                  const float position[3], double point[3]) {
+    if (own->ids[i] >= mesh->triangle_count)
+        return false;
+    const uint32_t *corners = mesh->corners[own->ids[i]];
+    const double *a = mesh->vertices[corners[0]], *b = mesh->vertices[corners[1]];
+    const double *c = mesh->vertices[corners[2]];
+    const double weight_1 = (double)own->weight_1[i], weight_2 = (double)own->weight_2[i];
+    bool agrees = true;
+    for (int k = 0; k < 3; k++) {
+        point[k] = a[k] + ((b[k] - a[k]) * weight_1 + (c[k] - a[k]) * weight_2);
+        const double size = fabs(a[k]) + fabs(b[k]) + fabs(c[k]);
+        agrees &= fabs(point[k] - (double)position[k]) <= AGREEMENT * size;
+    }
+    return agrees;
+}
+
+static bool place_all(const shb_filter_args *args, shb_exact_points *points) {
+    const drawn_mesh mesh = mesh_of(args->map);
+    const shb_receivers *r = args->receivers;
+    for (size_t i = 0; i < args->count; i++) {
+        const float position[3] = {r->x[i], r->y[i], r->z[i]};
+        double point[3];
+        if (!place(&mesh, args->own, i, position, point))
+            return false;
+        points->x[i] = point[0];
+        points->y[i] = point[1];
+        points->z[i] = point[2];
+    }
+    return true;
+}
+
+static void fill_lanes(shb_exact_points *points) {
+    const size_t last = points->count - 1;
+    for (size_t i = points->count; i < shb_round_to_lanes(points->count); i++) {
+        points->x[i] = points->x[last];
+        points->y[i] = points->y[last];
+        points->z[i] = points->z[last];
+        points->own_ids[i] = points->own_ids[last];
+    }
+}
+
+void shb_exact_points_of(const shb_filter_args *args, shb_exact_points *points) {
+    const shb_receivers *r = args->receivers;
+    const shb_own_triangles *own = args->own;
+    points->count = args->count;
+    points->are_exact = own && own->ids && own->weight_1 && place_all(args, points);
+    points->has_ids = own && own->ids && (points->are_exact || !own->weight_1);
+    if (!points->are_exact)
+        for (size_t i = 0; i < args->count; i++) {
+            points->x[i] = (double)r->x[i];
+            points->y[i] = (double)r->y[i];
+            points->z[i] = (double)r->z[i];
+        }
+    for (size_t i = 0; i < args->count; i++)
+        points->own_ids[i] = points->has_ids ? own->ids[i] : SHB_ID_NONE;
+    fill_lanes(points);
+}
+
+void shb_exact_points_pick(const shb_exact_points *from, const uint16_t *numbers, size_t count,
+                           shb_exact_points *to) {
+    to->count = count;
+    to->has_ids = from->has_ids;
+    to->are_exact = from->are_exact;
+    for (size_t k = 0; k < count; k++) {
+        const size_t i = numbers[k];
+        to->x[k] = from->x[i];
+        to->y[k] = from->y[i];
+        to->z[k] = from->z[i];
+        to->own_ids[k] = from->own_ids[i];
+    }
+    fill_lanes(to);
+}
+
+shb_result shb_own_triangles_check(const shb_map *map, const char *caller,
+                                   const shb_points *points) {
+    const shb_own_triangles *own = &points->own;
+    const size_t triangles = mesh_of(map).triangle_count;
+    if (!own->ids || !map->occluders.held ||
+        (map->info.occluders != SHB_OCCLUDERS_TRIANGLES &&
+         map->info.occluders != SHB_OCCLUDERS_LISTS))
+        return SHB_OK;
+    for (size_t i = 0; i < points->count; i++)
+        if (own->ids[i] >= triangles && (own->weight_1 || own->ids[i] != SHB_ID_NONE))
+            return shb_fail(map->context, SHB_ERROR_ARGUMENT,
+                            "%s: points.own.ids[%zu] is %u and the map's scene has %zu triangles",
+                            caller, i, (unsigned)own->ids[i], triangles);
+    return SHB_OK;
+}
