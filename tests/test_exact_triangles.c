@@ -187,30 +187,6 @@ TEST(an_edge_inside_a_texel_is_straight) {
     soup_free(&s);
 }
 
-TEST(scaling_the_world_by_powers_of_two_changes_no_answer) {
-    static float points[3 * POINTS], scaled[3 * POINTS], visibility[POINTS], expected[POINTS];
-    test_random random = {23};
-    for (int i = 0; i < 3 * POINTS; i++)
-        points[i] = (float)random_double(&random, -0.9, 0.9);
-    for (int exponent = -13; exponent <= 23; exponent += 12) {
-        const float scale = ldexpf(1, exponent);
-        test_random same = {24};
-        soup s = {0};
-        add_roof(&s, &same, scale);
-        shb_view view = probe_perspective(true);
-        for (int i = 0; i < 12; i++)
-            view.clip_from_world.m[i] = ldexp(view.clip_from_world.m[i], -exponent);
-        for (int i = 0; i < 3 * POINTS; i++)
-            scaled[i] = points[i] * scale;
-        asked made = open_map(&view, 64, soup_scene(&s));
-        ask(&made, scaled, exponent == -13 ? expected : visibility);
-        if (exponent != -13)
-            CHECK(memcmp(visibility, expected, sizeof expected) == 0);
-        close_map(&made);
-        soup_free(&s);
-    }
-}
-
 TEST(no_memory_is_an_error_at_every_allocation) {
     test_random random = {25};
     soup s = {0};

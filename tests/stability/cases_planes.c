@@ -64,15 +64,16 @@ static void build_wedge(owned_mesh *seen, owned_mesh *unseen, double value) {
     }
 
 static const stability_case cases[] = {
-    PLANE(0, false),     PLANE(15, false),    PLANE(30, false),    PLANE(45, true),
-    PLANE(60, false),    PLANE(75, true),     PLANE(85, false),    PLANE(88, true),
-    SLOPE(0, false),     SLOPE(30, false),    SLOPE(60, false),    SLOPE(80, true),
-    SLOPE(89, false),    SLOPE(89.9, false),  SLOPE(89.99, true),  GAP(0, false),
-    GAP(1e-7, true),     GAP(1e-6, false),    GAP(1e-5, false),    GAP(1e-4, true),
-    GAP(1e-3, false),    GAP(1e-2, true),     GAP(1e-1, false),    CONTACT(0, true),
-    CONTACT(1e-6, true), CONTACT(1e-4, true), CONTACT(1e-2, true), WEDGE(0.01, true),
-    WEDGE(0.1, false),   WEDGE(1, true),      WEDGE(5, false),     WEDGE(20, true),
-    WEDGE(60, false),    WEDGE(90, true),
+    PLANE(0, false),      PLANE(15, false),    PLANE(30, false),     PLANE(45, true),
+    PLANE(60, false),     PLANE(75, true),     PLANE(85, false),     PLANE(88, true),
+    SLOPE(0, false),      SLOPE(30, false),    SLOPE(60, false),     SLOPE(80, true),
+    SLOPE(89, false),     SLOPE(89.9, false),  SLOPE(89.99, true),   GAP(0, false),
+    GAP(1e-7, true),      GAP(1e-6, false),    GAP(1e-5, false),     GAP(1e-4, true),
+    GAP(1e-3, false),     GAP(1e-2, true),     GAP(1e-1, false),     CONTACT(0, true),
+    CONTACT(1e-7, false), CONTACT(1e-6, true), CONTACT(1e-5, false), CONTACT(1e-4, true),
+    CONTACT(1e-3, false), CONTACT(1e-2, true), CONTACT(1e-1, false), WEDGE(0.01, true),
+    WEDGE(0.1, false),    WEDGE(1, true),      WEDGE(5, false),      WEDGE(20, true),
+    WEDGE(60, false),     WEDGE(90, true),
 };
 
 stability_cases stability_plane_cases(void) {

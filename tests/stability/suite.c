@@ -23,15 +23,16 @@ static bool add_row(stability_rows *rows, const stability_case *c, const char *m
                               (stability_row){c, method, setting, stability_rates_of(errors)});
 }
 
-/* Both settings of a method. */
+/* Both settings of a method; one without a parameter has nothing to tune. */
 static shb_result run_method(stability_stage *stage, const stability_case *c,
                              const listed_method *method, stability_rows *rows) {
     shb_errors errors;
     shb_result result = stability_measure(stage, method, &errors);
     if (!result && !add_row(rows, c, method->name, STABILITY_DEFAULT, &errors))
         return SHB_ERROR_MEMORY;
-    if (!result && method->method->param_names[0])
-        result = stability_tune(stage, method, &errors);
+    if (result || !method->method->param_names[0])
+        return result;
+    result = stability_tune(stage, method, &errors);
     if (!result && !add_row(rows, c, method->name, STABILITY_TUNED, &errors))
         return SHB_ERROR_MEMORY;
     return result;
