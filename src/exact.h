@@ -4,6 +4,11 @@
 
 #include "light_point.h"
 
+/* What an element of a host's normal may be off by: four roundings of a unit vector in float. */
+#define SHB_NORMAL_ERROR 0x1p-22
+
+#include "mutual_planes.inl"
+
 /* A fragment as its own plane and place in the map, everything with bounds. */
 typedef struct shb_exact_fragment {
     shb_light_point point;
@@ -11,20 +16,24 @@ typedef struct shb_exact_fragment {
     double error; /* of the point against its own plane */
 } shb_exact_fragment;
 
-/* The occluder that a texel holds. */
-typedef struct shb_exact_sample {
-    double center_x, center_y, depth; /* never in front of the true plane at the centre */
-    double slope_x, slope_y;
-    double slope_error_x, slope_error_y;
-} shb_exact_sample;
-
-shb_exact_fragment shb_exact_fragment_of(const shb_light_rows *rows, const double position[3],
-                                         const double normal[3]);
+static inline shb_exact_fragment shb_exact_fragment_of(const shb_light_rows *rows,
+                                                       const double position[3],
+                                                       const double normal[3]) {
+    shb_exact_fragment fragment;
+    fragment.point = shb_light_point_at(rows, position, SHB_FLOAT_ROUNDING);
+    fragment.slopes = shb_exact_slopes_of(rows, &fragment.point, normal);
+    fragment.error = shb_exact_error_of(&fragment.point, &fragment.slopes);
+    return fragment;
+}
 
 /* The test of mutual planes for one texel, the fragment's own or any other: the sample lies in
  * front of the fragment's plane at the texel's centre, and the fragment behind the sample's plane
  * at its own place. */
-bool shb_exact_is_shadowed(const shb_exact_fragment *fragment, const shb_exact_sample *sample);
+static inline bool shb_exact_is_shadowed(const shb_exact_fragment *fragment,
+                                         const shb_exact_sample *sample) {
+    return shb_exact_shadowed_bits(&fragment->point, &fragment->slopes, fragment->error, sample) !=
+           0;
+}
 
 /* The function exact of the filter hard. */
 void shb_exact_visibility(const shb_filter_args *args);

@@ -1,5 +1,7 @@
 /* The exact method on maps that keep planes: halves, the bound of rounding, refusals. */
+#include "../src/exact.h"
 #include "../src/half.h"
+#include "../src/occluders.h"
 #include "probe.h"
 #include "random.h"
 #include "soup.h"
@@ -161,4 +163,86 @@ TEST(a_gap_of_a_millionth_of_the_scene_casts_its_shadow) {
     }
     soup_free(&s);
     close_host(&h);
+}
+
+/* The test of one fragment by the scalar functions. */
+static float mutual_answer(const shb_map *map, const float at[3], const float turned[3]) {
+    const double position[3] = {(double)at[0], (double)at[1], (double)at[2]};
+    const double normal[3] = {(double)turned[0], (double)turned[1], (double)turned[2]};
+    const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
+    const shb_light_point *point = &fragment.point;
+    if (!(point->w > 0 && point->x >= 0 && point->x < map->info.width && point->y >= 0 &&
+          point->y < map->info.height))
+        return 1;
+    const int32_t column = (int32_t)point->x, row = (int32_t)point->y;
+    const uint32_t texel = shb_occluder_row(map, row)[column];
+    const double unit = map->occluders.slope_unit;
+    shb_exact_sample sample = {.center_x = column + 0.5, .center_y = row + 0.5};
+    sample.slope_x = (double)shb_half_to_float((uint16_t)texel) * unit;
+    sample.slope_y = (double)shb_half_to_float((uint16_t)(texel >> 16)) * unit;
+    sample.slope_error_x = fabs(sample.slope_x) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
+    sample.slope_error_y = fabs(sample.slope_y) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
+    float depth;
+    shb_map_fetch(map, 1, &column, &row, &depth);
+    sample.depth = (double)depth;
+    const bool is_far = depth >= (map->info.view.reversed ? 0.0f : 1.0f);
+    return !is_far && shb_exact_is_shadowed(&fragment, &sample) ? 0.0f : 1.0f;
+}
+
+enum { SAME_POINTS = 999 };
+
+/* Every instruction set that there is, on a map of its own. */
+static void check_same_answers(const shb_scene *scene, const shb_map_desc *desc,
+                               const shb_points *points) {
+    static float expected[SAME_POINTS], visibility[SAME_POINTS];
+    const shb_bias exact = shb_bias_exact();
+    for (uint32_t isa = SHB_ISA_SCALAR; isa <= SHB_ISA_NEON; isa++) {
+        const shb_context_desc capped = {.threads = 1, .max_isa = (shb_isa)isa};
+        shb_context *context = NULL;
+        shb_map *map = NULL;
+        CHECK_INT(shb_context_create(&capped, &context), SHB_OK);
+        CHECK_INT(shb_map_create(context, desc, &map), SHB_OK);
+        CHECK_INT(shb_map_draw(map, scene, NULL, NULL), SHB_OK);
+        if (isa == SHB_ISA_SCALAR) {
+            int shadowed = 0;
+            for (int i = 0; i < SAME_POINTS; i++) {
+                expected[i] =
+                    mutual_answer(map, points->positions + 3 * i, points->normals + 3 * i);
+                shadowed += expected[i] == 0;
+            }
+            CHECK(shadowed > SAME_POINTS / 20 && shadowed < SAME_POINTS * 3 / 4);
+        }
+        CHECK_INT(shb_map_visibility(map, points, &exact, NULL, visibility), SHB_OK);
+        CHECK(memcmp(visibility, expected, sizeof expected) == 0);
+        shb_map_destroy(map);
+        shb_context_destroy(context);
+    }
+}
+
+/* Points on a ball, beside it and around it; some normals and positions are unusable. */
+TEST(planes_answer_as_the_scalar_test_by_every_instruction_set) {
+    static float points[3 * SAME_POINTS], normals[3 * SAME_POINTS];
+    const shb_points all = {.count = SAME_POINTS, .positions = points, .normals = normals};
+    const float center[3] = {0.2f, 0.1f, 1.6f};
+    test_random random = {41};
+    soup s = {0};
+    soup_add_ball(&s, center, 24, 24, NULL);
+    for (int i = 0; i < SAME_POINTS; i++)
+        for (int k = 0; k < 3; k++) {
+            const float along = (float)random_double(&random, -1, 1);
+            const float around = (float)random_double(&random, -1.2, k == 2 ? 3 : 1.2);
+            normals[3 * i + k] = i % 50 ? along : 0;
+            points[3 * i + k] = i % 3 ? around : center[k] + along;
+        }
+    points[4] = NAN;
+    points[8] = INFINITY;
+    normals[12] = INFINITY;
+    for (int i = 0; i < 8; i++) {
+        const bool reversed = i & 1;
+        shb_map_desc desc = {.width = 40, .occluders = SHB_OCCLUDERS_PLANES};
+        desc.view = i & 2 ? probe_perspective(reversed) : probe_orthographic(reversed);
+        desc.format = i & 4 ? SHB_FORMAT_UNORM16 : SHB_FORMAT_FLOAT32;
+        check_same_answers(soup_scene(&s), &desc, &all);
+    }
+    soup_free(&s);
 }

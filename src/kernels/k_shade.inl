@@ -25,6 +25,10 @@
 
 #include "k_mutual_taps.inl"
 
+#include "k_wide_planes.inl"
+
+#include "k_planes.inl"
+
 #include "k_filter.inl"
 
 #include "k_filter_exact.inl"
@@ -45,6 +49,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .normals = turn_normals,
     .fetch = fetch,
     .hard = hard,
+    .planes = ask_planes,
     .pcf = pcf,
     .pcf_smooth = pcf_smooth,
     .jittered = jittered,

@@ -33,6 +33,10 @@ typedef struct shb_shade_kernels {
     void (*hard)(const shb_map *map, size_t count, const shb_receivers *receivers,
                  float *visibility);
 
+    /* The exact method by the planes that a map keeps. */
+    void (*planes)(const shb_map *map, size_t count, const shb_receivers *receivers,
+                   float *visibility);
+
     /* Filters of boxes of texels, and of scattered ones. */
     shb_filter_fn *pcf, *pcf_smooth, *jittered, *poisson;
     shb_filter_fn *pcf_exact, *pcf_smooth_exact, *jittered_exact, *poisson_exact;
