@@ -175,8 +175,7 @@ static bool make_filter(const shb_filter_method *method, double width, shb_filte
 static bool ask_map(soft_state *soft, const shb_bias *bias, const shb_filter *filter,
                     double *seconds) {
     const measure_frame *frame = &soft->frame;
-    const shb_points points = {
-        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
+    const shb_points points = measure_points(frame);
     *seconds = 0;
     if (!succeeds(filter->name, shb_map_prepare(soft->map, filter)))
         return false;

@@ -104,7 +104,8 @@ TEST(sheet_tile_holds_means_of_squares) {
     sheet_destroy(&sheet);
 }
 
-/* Each fragment belongs to a covered pixel and lies on the plane of the triangle seen there. */
+/* Each fragment belongs to a covered pixel and lies where its weights say, on the triangle seen
+ * there. */
 TEST(measure_frame_holds_the_fragments_of_covered_pixels) {
     example_scene *scene = NULL;
     shb_context *context = NULL;
@@ -117,6 +118,7 @@ TEST(measure_frame_holds_the_fragments_of_covered_pixels) {
         covered += frame.ids[i] != SHB_ID_NONE;
     CHECK(covered > 1000 && covered < 80 * 50);
     CHECK_INT(frame.fragment_count, covered);
+    const shb_points points = measure_points(&frame);
     for (size_t i = 0; i < frame.fragment_count; i++) {
         const float *p = frame.positions + 3 * i, *n = frame.normals + 3 * i;
         shb_vec3 corners[3];
@@ -125,6 +127,12 @@ TEST(measure_frame_holds_the_fragments_of_covered_pixels) {
         const shb_vec3 point = {(double)p[0], (double)p[1], (double)p[2]};
         for (int k = 0; k < 3; k++)
             CHECK_NEAR(shb_vec3_dot(normal, shb_vec3_subtract(corners[k], point)), 0, 1e-5);
+        const double w1 = (double)points.own.weight_1[i], w2 = (double)points.own.weight_2[i];
+        const shb_vec3 there = shb_vec3_add(
+            shb_vec3_add(shb_vec3_scale(corners[0], 1 - w1 - w2), shb_vec3_scale(corners[1], w1)),
+            shb_vec3_scale(corners[2], w2));
+        CHECK_NEAR(shb_vec3_length(shb_vec3_subtract(there, point)), 0, 1e-5);
+        CHECK_INT(points.own.ids[i], frame.ids[frame.pixels[i]]);
     }
     measure_frame_destroy(&frame);
     shb_context_destroy(context);

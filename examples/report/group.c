@@ -101,8 +101,7 @@ static shb_result shade(session *s, const contender *c, double *seconds) {
 
 static shb_result ask(session *s, const contender *c, double *seconds) {
     measure_frame *frame = &s->stage->frame;
-    const shb_points points = {
-        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
+    const shb_points points = measure_points(frame);
     const double start = stopwatch_seconds();
     const shb_result result =
         shb_map_visibility(c->map, &points, &c->method->bias, &c->filter, frame->visibility);

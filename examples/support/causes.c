@@ -299,8 +299,7 @@ shb_result causes_find(const cause_question *question, uint8_t *causes) {
                 .info = shb_map_get_info(question->map),
                 .knows_ref = !(question->bias->needs & SHB_NEEDS_OCCLUDERS),
                 .causes = causes};
-    const shb_points points = {
-        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
+    const shb_points points = measure_points(frame);
     shb_result result = shb_map_visibility(question->map, &points, question->bias, question->filter,
                                            frame->visibility);
     if (!result)

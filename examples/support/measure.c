@@ -20,6 +20,8 @@ static void capture_fragments(const shb_shade_args *args) {
                                  fragments->normal_z[i]};
         memcpy(frame->positions + 3 * pixel, position, sizeof position);
         memcpy(frame->normals + 3 * pixel, normal, sizeof normal);
+        frame->weights_1[pixel] = fragments->weight_1[i];
+        frame->weights_2[pixel] = fragments->weight_2[i];
         args->red[i] = args->green[i] = args->blue[i] = 0;
     }
 }
@@ -33,6 +35,9 @@ static void compact_fragments(measure_frame *frame) {
             continue;
         memmove(frame->positions + 3 * count, frame->positions + 3 * pixel, 3 * sizeof(float));
         memmove(frame->normals + 3 * count, frame->normals + 3 * pixel, 3 * sizeof(float));
+        frame->own_ids[count] = frame->ids[pixel];
+        frame->weights_1[count] = frame->weights_1[pixel];
+        frame->weights_2[count] = frame->weights_2[pixel];
         frame->pixels[count++] = (uint32_t)pixel;
     }
     frame->fragment_count = count;
@@ -42,9 +47,13 @@ static bool allocate_frame(measure_frame *frame, size_t pixel_count) {
     frame->ids = malloc(pixel_count * sizeof *frame->ids);
     frame->positions = malloc(pixel_count * 3 * sizeof *frame->positions);
     frame->normals = malloc(pixel_count * 3 * sizeof *frame->normals);
+    frame->own_ids = malloc(pixel_count * sizeof *frame->own_ids);
+    frame->weights_1 = malloc(pixel_count * sizeof *frame->weights_1);
+    frame->weights_2 = malloc(pixel_count * sizeof *frame->weights_2);
     frame->pixels = malloc(pixel_count * sizeof *frame->pixels);
     frame->visibility = malloc(pixel_count * sizeof *frame->visibility);
-    return frame->ids && frame->positions && frame->normals && frame->pixels && frame->visibility;
+    return frame->ids && frame->positions && frame->normals && frame->own_ids && frame->weights_1 &&
+           frame->weights_2 && frame->pixels && frame->visibility;
 }
 
 static shb_result draw_frame(measure_frame *frame) {
@@ -85,9 +94,19 @@ void measure_frame_destroy(measure_frame *frame) {
     free(frame->ids);
     free(frame->positions);
     free(frame->normals);
+    free(frame->own_ids);
+    free(frame->weights_1);
+    free(frame->weights_2);
     free(frame->pixels);
     free(frame->visibility);
     *frame = (measure_frame){0};
+}
+
+shb_points measure_points(const measure_frame *frame) {
+    return (shb_points){.count = frame->fragment_count,
+                        .positions = frame->positions,
+                        .normals = frame->normals,
+                        .own = {frame->own_ids, frame->weights_1, frame->weights_2}};
 }
 
 shb_result measure_truth_create(const measure_frame *frame, const shb_map *map,
@@ -135,8 +154,7 @@ static shb_result time_map(shb_map *map, const shb_scene *scene, const shb_bias 
 static shb_result time_visibility(const measure_frame *frame, const shb_map *map,
                                   const shb_bias *bias, const shb_filter *filter, uint32_t runs,
                                   double *seconds) {
-    const shb_points points = {
-        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
+    const shb_points points = measure_points(frame);
     double times[64] = {0};
     for (uint32_t i = 0; i < runs; i++) {
         const double start = stopwatch_seconds();

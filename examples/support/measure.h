@@ -15,14 +15,19 @@ typedef struct measure_frame {
     uint32_t *ids;
     size_t fragment_count;
     float *positions, *normals; /* x, y, z of each fragment; normals are geometric */
-    uint32_t *pixels;           /* of each fragment: row * width + column */
-    float *visibility;          /* of each fragment: what the latest method said */
+    uint32_t *own_ids;          /* triangle of each fragment, and its place there */
+    float *weights_1, *weights_2;
+    uint32_t *pixels;  /* of each fragment: row * width + column */
+    float *visibility; /* of each fragment: what the latest method said */
 } measure_frame;
 
 /* Draws the camera's view. On failure *frame is empty. */
 shb_result measure_frame_create(shb_context *context, const example_scene *scene, uint32_t width,
                                 uint32_t height, measure_frame *frame);
 void measure_frame_destroy(measure_frame *frame);
+
+/* All fragments with all that is known of them; valid as long as the frame. */
+shb_points measure_points(const measure_frame *frame);
 
 /* What is true of a frame under one light; depends on the map's view and size, not on its depths,
  * so that all methods share it. */

@@ -23,8 +23,7 @@ static shb_result run_camera(void *state) {
 static shb_result run_visibility(void *state) {
     soft_work *work = state;
     const measure_frame *frame = work->frame;
-    const shb_points points = {
-        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
+    const shb_points points = measure_points(frame);
     return shb_map_visibility(work->map, &points, &work->bias, &work->filter, frame->visibility);
 }
 
