@@ -7,14 +7,15 @@
 #include "strict.h"
 
 #include "kernels/shade.h"
+#include "stages.h"
 
-static void adaptive_depth(const shb_bias_args *args) {
+void shb_adaptive_depth(const shb_bias_args *args) {
     shb_stage_kernels(args)->adaptive(args);
 }
 
 shb_bias shb_bias_adaptive(float k, float scene_scale) {
     return (shb_bias){.name = "adaptive",
-                      .depth = adaptive_depth,
+                      .depth = shb_adaptive_depth,
                       .needs = SHB_NEEDS_SLOPE | SHB_NEEDS_SCALE,
                       .params = {k, scene_scale}};
 }

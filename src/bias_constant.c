@@ -2,19 +2,20 @@
 #include "strict.h"
 
 #include "kernels/shade.h"
+#include "stages.h"
 
 shb_bias shb_bias_none(void) {
     return (shb_bias){.name = "none"};
 }
 
-static void constant_depth(const shb_bias_args *args) {
+void shb_constant_depth(const shb_bias_args *args) {
     shb_stage_kernels(args)->constant(args);
 }
 
 shb_bias shb_bias_constant(float amount, shb_unit unit) {
     const bool scaled = unit == SHB_UNIT_TEXEL || unit == SHB_UNIT_WORLD;
     return (shb_bias){.name = "constant",
-                      .depth = constant_depth,
+                      .depth = shb_constant_depth,
                       .needs = scaled ? SHB_NEEDS_SCALE : 0,
                       .params = {amount, (float)unit}};
 }

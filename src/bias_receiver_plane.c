@@ -3,14 +3,15 @@
 #include "strict.h"
 
 #include "kernels/shade.h"
+#include "stages.h"
 
-static void receiver_plane_depth(const shb_bias_args *args) {
+void shb_receiver_plane_depth(const shb_bias_args *args) {
     shb_stage_kernels(args)->receiver_plane(args);
 }
 
 shb_bias shb_bias_receiver_plane(float epsilon) {
     return (shb_bias){.name = "receiver-plane",
-                      .depth = receiver_plane_depth,
+                      .depth = shb_receiver_plane_depth,
                       .needs = SHB_NEEDS_SLOPE,
                       .params = {epsilon}};
 }

@@ -3,8 +3,9 @@
 
 #include "exact.h"
 #include "kernels/shade.h"
+#include "stages.h"
 
-static void hard(const shb_filter_args *args) {
+void shb_hard_test(const shb_filter_args *args) {
     args->map->context->shade_kernels->hard(args->map, args->count, args->receivers,
                                             args->visibility);
 }
@@ -14,5 +15,5 @@ static void hard_exact(const shb_filter_args *args) {
 }
 
 shb_filter shb_filter_hard(void) {
-    return (shb_filter){.name = "hard", .filter = hard, .exact = hard_exact};
+    return (shb_filter){.name = "hard", .filter = shb_hard_test, .exact = hard_exact};
 }

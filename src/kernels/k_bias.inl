@@ -76,23 +76,16 @@ static void receiver_plane_depth(const shb_bias_args *args) {
     write_plane(r, i, epsilon);
 }
 
-/* The world length that Dou et al. take off: scene scale times K. */
-static float world_epsilon(const shb_bias_args *args) {
-    const float own_scale = args->bias->params[1];
-    const float scene_scale = own_scale == 0 ? (float)args->map->scene_scale : own_scale;
-    return scene_scale * args->bias->params[0];
-}
-
 static void adaptive_depth(const shb_bias_args *args) {
     shb_receivers *restrict r = args->receivers;
-    const float epsilon = world_epsilon(args);
+    const float epsilon = shb_world_epsilon(args->map, args->bias);
     FOR_LANES(args->count)
     write_plane(r, i, r->depth_per_world[i] * epsilon);
 }
 
 static void adaptive_soft_depth(const shb_bias_args *args) {
     shb_receivers *restrict r = args->receivers;
-    const float epsilon = world_epsilon(args);
+    const float epsilon = shb_world_epsilon(args->map, args->bias);
     const float threshold = args->bias->params[2];
     FOR_LANES(args->count) {
         const float steep = 1 / (r->cosine[i] * r->cosine[i]);

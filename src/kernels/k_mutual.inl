@@ -54,10 +54,6 @@ typedef struct mutual_batch {
     mutual_memo memo;
 } mutual_batch;
 
-static inline ALWAYS_INLINE vf vf_abs(vf a) {
-    return (vf)((vu)a & 0x7fffffffu);
-}
-
 typedef struct vf3 {
     vf x, y, z;
 } vf3;

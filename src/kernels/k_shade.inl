@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "../format.h"
+#include "../stages.h"
 #include "shade.h"
 
 #define ALWAYS_INLINE __attribute__((always_inline))
@@ -16,6 +17,8 @@
 #include "k_project.inl"
 
 #include "k_lookup.inl"
+
+#include "k_quick.inl"
 
 #include "k_bias.inl"
 
@@ -50,6 +53,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .fetch = fetch,
     .hard = hard,
     .planes = ask_planes,
+    .quick = WIDE > 1 ? test_quickly : NULL,
     .pcf = pcf,
     .pcf_smooth = pcf_smooth,
     .jittered = jittered,

@@ -4,6 +4,7 @@
 #define SRC_KERNELS_SHADE_H
 
 #include "../pcss.h"
+#include "../quick_test.h"
 #include "../surface_table.h"
 
 /* A row of pixels: ndc y of their centres, and ndc x of those from the first one on. */
@@ -36,6 +37,12 @@ typedef struct shb_shade_kernels {
     /* The exact method by the planes that a map keeps. */
     void (*planes)(const shb_map *map, size_t count, const shb_receivers *receivers,
                    float *visibility);
+
+    /* The hard test after projection and bias where float is sure of it: writes the visibility of
+     * all fragments, and the numbers of those whose is not to be trusted; returns how many these
+     * are, SIZE_MAX if it is not made for the map or sees nothing to be sure of. NULL: none. */
+    size_t (*quick)(const shb_map *map, const shb_quick_bias *bias, size_t count,
+                    const shb_receivers *receivers, float *visibility, uint16_t *doubtful);
 
     /* Filters of boxes of texels, and of scattered ones. */
     shb_filter_fn *pcf, *pcf_smooth, *jittered, *poisson;

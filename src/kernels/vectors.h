@@ -44,6 +44,9 @@ static inline vi vi_numbers(void) {
     static const int32_t numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     return vi_load(numbers);
 }
+static inline vf vf_abs(vf v) {
+    return (vf)((vi)v & 0x7fffffff);
+}
 /* a where the mask is set, else 0. */
 static inline vf vf_keep(vi mask, vf a) {
     return (vf)(mask & (vi)a);

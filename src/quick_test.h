@@ -1,0 +1,49 @@
+/* The hard test in float, for the fragments of a batch for which it is sure to say what the double
+ * projection would: a visibility is one bit, and only near a texel's border or near the stored
+ * depth does that bit depend on how coordinates are rounded. */
+#ifndef SRC_QUICK_TEST_H
+#define SRC_QUICK_TEST_H
+
+#include "map.h"
+
+/* A bias method that the test knows: the depth of the fragment, or of its plane at the texel's
+ * centre, less epsilon[0] + epsilon[1] / w + epsilon[2] / w^2 (canonical depth). */
+typedef struct shb_quick_bias {
+    bool plane;
+    double epsilon[3];
+} shb_quick_bias;
+
+/* Where the fragments of a batch lie: no coordinate is farther than reach from the origin's, no
+ * element of a normal larger than normal. */
+typedef struct shb_quick_extent {
+    float origin[3], reach, normal;
+} shb_quick_extent;
+
+/* Row times (way from the origin, 1). */
+typedef float shb_quick_row[4];
+
+/* What the lanes of a batch have in common. x and y are counted from the texel (texel_x, texel_y)
+ * on, which lies to the left of and above all fragments, and z from depth on. */
+typedef struct shb_quick_test {
+    float origin[3];
+    shb_quick_row x, y, z, w;
+    int32_t texel_x, texel_y;
+    float depth, farthest;
+    float epsilon[3];
+    /* A coordinate is sure nearer than this to the middle of its texel, a comparison farther than
+     * error from equality. */
+    float sure_x, sure_y, error;
+    /* The elements that a plane's slopes are made of, as in k_project.inl, and by what their
+     * errors count: as 1 / n.xy, as the slopes over it, as the slopes. */
+    float xy[3], zy[3], xz[3], xw[3], yw[3], zw[3];
+    float error_xy, error_other, error_slope;
+} shb_quick_test;
+
+/* False: the test does not know the method, or this map. */
+bool shb_quick_bias_of(const shb_map *map, const shb_bias *bias, shb_quick_bias *quick);
+
+/* False: nothing is sure in this batch. */
+bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
+                       const shb_quick_extent *extent, shb_quick_test *test);
+
+#endif

@@ -1,0 +1,230 @@
+/* The hard test in float says what the double projection says, wherever fragments lie. */
+#include "../src/context.h"
+#include "../src/kernels/shade.h"
+
+#include "random.h"
+#include "shadowbias/shadowbias.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAP = 64, POINTS = 1500 };
+
+typedef struct quick_case {
+    float depths[MAP * MAP];
+    float positions[3 * POINTS], normals[3 * POINTS];
+    float quick[POINTS], expected[POINTS];
+    shb_receivers receivers[POINTS / SHB_BATCH + 1];
+    size_t batches;
+} quick_case;
+
+static void keep_batch(const shb_filter_args *args) {
+    quick_case *const *place = args->filter->user;
+    (*place)->receivers[(*place)->batches++] = *args->receivers;
+    shb_filter_hard().filter(args);
+}
+
+/* By a filter of the host's, which the double projection is made for. */
+static void ask_in_double(const shb_map *map, const shb_bias *bias, quick_case *c) {
+    const shb_filter filter = {.filter = keep_batch, .user = &c};
+    const shb_points points = {.count = POINTS, .positions = c->positions, .normals = c->normals};
+    c->batches = 0;
+    CHECK_INT(shb_map_visibility(map, &points, bias, &filter, c->expected), SHB_OK);
+}
+
+static unsigned count_differences(const shb_map *map, const shb_bias *bias, quick_case *c) {
+    const shb_points points = {.count = POINTS, .positions = c->positions, .normals = c->normals};
+    unsigned wrong = 0;
+    ask_in_double(map, bias, c);
+    CHECK_INT(shb_map_visibility(map, &points, bias, NULL, c->quick), SHB_OK);
+    for (int i = 0; i < POINTS; i++)
+        wrong += c->quick[i] != c->expected[i];
+    return wrong;
+}
+
+/* Texels hold what some fragment is compared with, or its neighbours among floats. */
+static void fill_with_own_depths(quick_case *c, bool reversed, test_random *random) {
+    for (int i = 0; i < POINTS; i++) {
+        const shb_receivers *r = &c->receivers[i / SHB_BATCH];
+        const int k = i % SHB_BATCH;
+        if (r->texel_x[k] < 0 || r->texel_x[k] >= MAP || r->texel_y[k] < 0 || r->texel_y[k] >= MAP)
+            continue;
+        float depth = reversed ? -r->ref[k] : r->ref[k];
+        for (uint64_t steps = random_below(random, 5); steps > 0; steps--)
+            depth = nextafterf(depth, random_below(random, 2) ? 2.0f : -2.0f);
+        c->depths[r->texel_y[k] * MAP + r->texel_x[k]] = depth;
+    }
+}
+
+/* On borders and centres of texels of a light straight above, and some floats beside them; every
+ * third one anywhere. Normals are random ones, their planes' steps from none to steep. */
+static void place_points(quick_case *c, shb_vec3 center, double scale, test_random *random) {
+    const double base[3] = {center.x, center.y, center.z};
+    for (int i = 0; i < 3 * POINTS; i++) {
+        const double grid = ((double)random_below(random, 2 * MAP + 9) - MAP - 4) / MAP;
+        const double way = i / 3 % 3 == 0 ? random_double(random, -1.2, 1.2) : grid;
+        c->positions[i] = (float)(base[i % 3] + scale * way);
+        for (uint64_t steps = random_below(random, 3); steps > 0; steps--)
+            c->positions[i] = nextafterf(c->positions[i], (float)(base[i % 3] - 9 * scale));
+        c->normals[i] = (float)random_double(random, -1, 1);
+    }
+}
+
+enum { VIEWS = 5 };
+
+static shb_result make_view(int kind, shb_vec3 center, double s, shb_view *view) {
+    const shb_vec3 above = {center.x, center.y + 4 * s, center.z};
+    const shb_vec3 aside = {center.x + 3 * s, center.y + 2 * s, center.z + s};
+    const shb_vec3 north = {0, 0, -1}, up = {0, 1, 0};
+    switch (kind) {
+    case 0:
+        return shb_view_orthographic(above, center, north, s, s, s, 9 * s, false, view);
+    case 1:
+        return shb_view_orthographic(aside, center, up, 1.5 * s, s, s, 9 * s, true, view);
+    case 2:
+        return shb_view_perspective(above, center, north, 0.5, 1, s, 9 * s, false, view);
+    case 3:
+        return shb_view_perspective(aside, center, up, 0.8, 1, 0.01 * s, HUGE_VAL, true, view);
+    default: /* some points lie behind it */
+        return shb_view_perspective((shb_vec3){center.x, center.y + s / 2, center.z}, center, north,
+                                    2, 1, 0.1 * s, 9 * s, false, view);
+    }
+}
+
+static const shb_isa vectors[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SHB_ISA_NEON};
+enum { VECTORS = sizeof vectors / sizeof *vectors };
+
+enum { BIASES = 7 };
+
+static shb_bias make_bias(int number, double scale) {
+    switch (number) {
+    case 0:
+        return shb_bias_none();
+    case 1:
+        return shb_bias_constant(1e-3f, SHB_UNIT_DEPTH);
+    case 2:
+        return shb_bias_constant(0.7f, SHB_UNIT_TEXEL);
+    case 3:
+        return shb_bias_constant((float)(-1e-3 * scale), SHB_UNIT_WORLD);
+    case 4:
+        return shb_bias_receiver_plane(0);
+    case 5:
+        return shb_bias_receiver_plane(1e-5f);
+    default:
+        return shb_bias_adaptive(1e-4f, 0);
+    }
+}
+
+static shb_context *new_context(shb_isa isa) {
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(&(shb_context_desc){.max_isa = isa, .threads = 1}, &context),
+              SHB_OK);
+    return context;
+}
+
+/* All views and methods; nothing is changed by where the scene lies and how large it is. */
+static void check_place(shb_isa isa, shb_vec3 center, double scale) {
+    shb_context *context = new_context(isa);
+    quick_case *c = malloc(sizeof *c);
+    test_random random = {31};
+    for (int kind = 0; kind < VIEWS; kind++) {
+        shb_map_desc desc = {.width = MAP};
+        shb_map *map = NULL;
+        CHECK_INT(make_view(kind, center, scale, &desc.view), SHB_OK);
+        memset(c->depths, 0, sizeof c->depths);
+        CHECK_INT(shb_map_wrap(context, &desc, c->depths, 0, NULL, &map), SHB_OK);
+        for (int number = 0; number < BIASES; number++) {
+            const shb_bias bias = make_bias(number, scale);
+            place_points(c, center, scale, &random);
+            for (int i = 0; i < MAP * MAP; i++)
+                c->depths[i] = (float)random_double(&random, 0, 1);
+            CHECK_INT(count_differences(map, &bias, c), 0);
+            fill_with_own_depths(c, desc.view.reversed, &random);
+            CHECK_INT(count_differences(map, &bias, c), 0);
+        }
+        shb_map_destroy(map);
+    }
+    free(c);
+    shb_context_destroy(context);
+}
+
+TEST(quick_test_says_what_doubles_say_at_any_scale) {
+    for (int v = 0; v < VECTORS; v++)
+        for (double scale = 1e-4; scale < 2e7; scale *= 1e3)
+            check_place(vectors[v], (shb_vec3){0, 0, 0}, scale);
+}
+
+TEST(quick_test_says_what_doubles_say_far_from_the_origin) {
+    for (int v = 0; v < VECTORS; v++)
+        for (double far_away = 1e3; far_away < 2e7; far_away *= 1e2)
+            check_place(vectors[v], (shb_vec3){far_away, -far_away, 2 * far_away}, 1);
+}
+
+/* Numbers that no scene should hold, in positions, normals and texels. */
+static void spoil(float *values, size_t count, test_random *random) {
+    static const float odd[] = {NAN, INFINITY, -INFINITY, 0, -0.0f, 1e30f, -1e30f, 1e-40f, 3e38f};
+    for (size_t i = 0; i < count; i++)
+        if (random_below(random, 40) == 0)
+            values[i] = odd[random_below(random, sizeof odd / sizeof *odd)];
+}
+
+TEST(quick_test_says_what_doubles_say_of_numbers_that_are_none) {
+    quick_case *c = malloc(sizeof *c);
+    test_random random = {32};
+    for (int v = 0; v < VECTORS; v++)
+        for (int kind = 0; kind < VIEWS; kind++) {
+            shb_context *context = new_context(vectors[v]);
+            shb_map_desc desc = {.width = MAP};
+            shb_map *map = NULL;
+            CHECK_INT(make_view(kind, (shb_vec3){0, 0, 0}, 1, &desc.view), SHB_OK);
+            CHECK_INT(shb_map_wrap(context, &desc, c->depths, 0, NULL, &map), SHB_OK);
+            for (int number = 0; number < BIASES; number++) {
+                const shb_bias bias = make_bias(number, 1);
+                place_points(c, (shb_vec3){0, 0, 0}, 1, &random);
+                for (int i = 0; i < MAP * MAP; i++)
+                    c->depths[i] = (float)random_double(&random, 0, 1);
+                spoil(c->depths, MAP * MAP, &random);
+                spoil(c->normals, 3 * POINTS, &random);
+                CHECK_INT(count_differences(map, &bias, c), 0);
+                spoil(c->positions + 300, 600, &random);
+                CHECK_INT(count_differences(map, &bias, c), 0);
+            }
+            shb_map_destroy(map);
+            shb_context_destroy(context);
+        }
+    free(c);
+}
+
+/* A slanted floor, lit and in shadow by turns: the bounds leave little to be asked again. */
+TEST(quick_test_is_sure_of_nearly_all_fragments) {
+    static float depths[1024 * 1024];
+    for (int i = 0; i < 1024 * 1024; i++)
+        depths[i] = i / 64 % 2 ? 0.1f : 1.0f;
+    for (int v = 0; v < VECTORS; v++)
+        for (int kind = 0; kind < 4; kind++) {
+            shb_context *context = new_context(vectors[v]);
+            shb_map_desc desc = {.width = 1024};
+            shb_map *map = NULL;
+            CHECK_INT(make_view(kind, (shb_vec3){300, 0, 0}, 1, &desc.view), SHB_OK);
+            CHECK_INT(shb_map_wrap(context, &desc, depths, 0, NULL, &map), SHB_OK);
+            shb_receivers r;
+            float visibility[SHB_BATCH];
+            uint16_t doubtful[SHB_BATCH];
+            for (int i = 0; i < SHB_BATCH; i++) {
+                r.x[i] = 300 + (float)i * 0.0017f;
+                r.y[i] = (float)i * 0.0003f;
+                r.z[i] = 0.1f;
+                r.normal_x[i] = 0.2f;
+                r.normal_y[i] = 0.97f;
+                r.normal_z[i] = 0.1f;
+            }
+            const shb_quick_bias bias = {.plane = true, .epsilon = {1e-4}};
+            if (context->shade_kernels->quick)
+                CHECK(context->shade_kernels->quick(map, &bias, SHB_BATCH, &r, visibility,
+                                                    doubtful) < 8);
+            shb_map_destroy(map);
+            shb_context_destroy(context);
+        }
+}
