@@ -134,6 +134,7 @@ void shb_context_destroy(shb_context *context) {
     shb_pool_destroy(&last, last.pool);
     free_buffers(&last, last.draw_scratch, sizeof(last.draw_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.map_scratch, sizeof(last.map_scratch) / sizeof(shb_buffer));
+    free_buffers(&last, last.occluder_scratch, sizeof(last.occluder_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.list_scratch, sizeof(last.list_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.sheet_scratch, sizeof(last.sheet_scratch) / sizeof(shb_buffer));
     shb_free(&last, context);

@@ -6,6 +6,8 @@
 #include "light_mesh.h"
 #include "sheets.h"
 
+#include <stdatomic.h>
+
 /* What turns a world position into map coordinates, once per map, in double. */
 typedef struct shb_projection {
     double row_x[4], row_y[4], row_z[4], row_w[4]; /* rows of clip_from_world */
@@ -37,6 +39,14 @@ typedef struct shb_occluder_plane {
     double z, slope_x, slope_y, error;
 } shb_occluder_plane;
 
+/* One a triangle, while a map that keeps planes is drawn; those of triangles that no texel has seen
+ * are not made. */
+typedef struct shb_occluder_scratch {
+    shb_occluder_plane *planes;
+    uint32_t *slopes; /* as texels hold them */
+    _Atomic uint8_t *seen;
+} shb_occluder_scratch;
+
 /* What a map keeps of its occluders. */
 typedef struct shb_occluder_data {
     bool held;         /* by the latest drawing */
@@ -48,7 +58,8 @@ typedef struct shb_occluder_data {
     shb_topology topology; /* of the latest scene, kept for the next drawing */
     shb_light_mesh mesh;
     shb_sheets sheets;
-    shb_sheet_bins bins; /* while a scene is drawn */
+    shb_sheet_bins bins; /* while a scene is drawn, as what follows */
+    shb_occluder_scratch scratch;
 } shb_occluder_data;
 
 /* What a filter made of the map's depths; by what, as in shb_filter. */

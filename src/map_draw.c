@@ -153,7 +153,7 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
         combine_rows(map, bias, &drawn);
     set_lists(map, NULL);
     if (prepares)
-        shb_occluders_finish(map, keeps_texels, &occluders);
+        shb_occluders_finish(map, scene, keeps_texels, &occluders);
     set_lists(map, lists);
     shb_prepared_release(map);
     map->occluders.held = keeps;

@@ -3,7 +3,7 @@
 #include "occluders.h"
 
 #include "format.h"
-#include "half.h"
+#include "kernels/shade.h"
 #include "occluder_planes.h"
 
 #include <float.h>
@@ -92,8 +92,10 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
     made->plane_count = count;
     made->planes = NULL;
     bool done = true;
-    if (planes)
+    if (walks)
         done = (made->planes = shb_alloc(context, count, sizeof *made->planes)) != NULL;
+    else if (planes)
+        done = shb_occluder_scratch_reserve(map->context, count, &made->scratch);
     if (done && map->classifies)
         done = shb_sheet_bins_reserve(map->context, &map->info, count, &made->bins);
     if (done && (walks || map->classifies))
@@ -104,54 +106,82 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
         done = shb_sheet_bins_fill(map->context, &made->bins);
     if (!done)
         shb_occluders_release(map, made);
-    else if (planes)
+    else if (walks)
         shb_occluder_planes_make(map, scene, count, made->planes);
     return done;
 }
 
-/* Rounded away from the light, by less than two units in the last place. */
-static float round_up(double depth) {
-    const float rounded = (float)depth;
-    return (double)rounded < depth ? rounded + fabsf(rounded) * 0x1p-23f : rounded;
-}
-
-typedef struct resolve_job {
+/* The texels of a map that hold triangles' ids. */
+typedef struct texel_job {
     const shb_map *map;
-    const shb_occluder_plane *planes;
-} resolve_job;
+    const shb_occluder_scratch *scratch;
+} texel_job;
 
-/* Depth and slopes of a texel that holds a triangle's id. The depth lies behind the true plane by
- * all that the plane may be off. */
-static void resolve_texel(const resolve_job *job, uint32_t column, uint32_t row, float far_depth,
-                          float *depth, uint32_t *texel) {
-    if (*texel == SHB_ID_NONE) {
-        *depth = far_depth;
-        *texel = 0;
-        return;
-    }
-    const shb_occluder_plane *plane = &job->planes[*texel];
-    const double z = shb_occluder_depth(plane, column + 0.5, row + 0.5) + plane->error;
-    const double scale = 1 / job->map->occluders.slope_unit;
-    *depth = round_up(z < (double)far_depth ? z : (double)far_depth);
-    *texel = (uint32_t)shb_half_of(plane->slope_x * scale) |
-             (uint32_t)shb_half_of(plane->slope_y * scale) << 16;
+/* Texels are looked at this many at a time: most of these hold one triangle, or none. */
+enum { BLOCK = 64 };
+
+/* True if all texels of a block hold the id. */
+static bool is_uniform(const uint32_t *texels, uint32_t count, uint32_t id) {
+    uint32_t differ = 0;
+    for (uint32_t i = 0; i < count; i++)
+        differ |= texels[i] ^ id;
+    return differ == 0;
 }
 
+static uint32_t block_size(const shb_map *map, uint32_t first) {
+    return map->info.width - first < BLOCK ? map->info.width - first : BLOCK;
+}
+
+static void see_row(void *arg, size_t row) {
+    const texel_job *job = arg;
+    const uint32_t *texels = shb_occluder_row(job->map, (int32_t)row);
+    uint32_t latest = SHB_ID_NONE;
+    for (uint32_t first = 0; first < job->map->info.width; first += BLOCK) {
+        const uint32_t count = block_size(job->map, first);
+        if (is_uniform(texels + first, count, latest))
+            continue;
+        for (uint32_t i = first; i < first + count; i++) {
+            if (texels[i] != latest && texels[i] != SHB_ID_NONE)
+                atomic_store_explicit(&job->scratch->seen[texels[i]], 1, memory_order_relaxed);
+            latest = texels[i];
+        }
+    }
+}
+
+/* Depths and slopes take the place of ids; what holds none is as far as it was drawn. */
 static void resolve_row(void *arg, size_t row) {
-    enum { CHUNK = 256 };
-    const resolve_job *job = arg;
+    const texel_job *job = arg;
     const shb_map_info *info = &job->map->info;
-    const float far_depth = shb_far_depth(info->view.reversed);
+    const shb_resolve resolve = {.planes = job->scratch->planes,
+                                 .slopes = job->scratch->slopes,
+                                 .far_depth = shb_far_depth(info->view.reversed)};
     uint32_t *texels = shb_occluder_row(job->map, (int32_t)row);
     char *stored = (char *)job->map->depth.texels + row * job->map->depth.stride;
-    float depths[CHUNK];
-    for (uint32_t first = 0; first < info->width; first += CHUNK) {
-        const uint32_t count = info->width - first < CHUNK ? info->width - first : CHUNK;
-        for (uint32_t i = 0; i < count; i++)
-            resolve_texel(job, first + i, (uint32_t)row, far_depth, &depths[i], &texels[first + i]);
+    float depths[BLOCK + SHB_PLANE_LANES];
+    uint32_t slopes[BLOCK + SHB_PLANE_LANES];
+    for (uint32_t first = 0; first < info->width; first += BLOCK) {
+        const uint32_t count = block_size(job->map, first);
+        if (is_uniform(texels + first, count, SHB_ID_NONE)) {
+            memset(texels + first, 0, count * sizeof *texels);
+            continue;
+        }
+        job->map->context->shade_kernels->resolve(&resolve, (uint32_t)row, first, count,
+                                                  texels + first, depths, slopes);
+        memcpy(texels + first, slopes, count * sizeof *slopes);
         shb_format_store(info->format, info->view.reversed, count, depths,
                          stored + first * shb_format_size(info->format));
     }
+}
+
+/* The planes of what the map sees, and of nothing else, are made after it was drawn. */
+static void resolve_map(shb_map *map, const shb_scene *scene, const shb_occluder_data *made) {
+    const shb_context *context = map->context;
+    texel_job job = {map, &made->scratch};
+    for (size_t i = 0; i < made->plane_count; i++)
+        atomic_init(&made->scratch.seen[i], 0);
+    shb_parallel_for(context, see_row, &job, map->info.height);
+    shb_occluder_planes_make_seen(map, scene, made->plane_count, &made->scratch);
+    shb_parallel_for(context, resolve_row, &job, map->info.height);
 }
 
 static size_t texel_bytes(const shb_map *map) {
@@ -167,7 +197,8 @@ static size_t scene_bytes(const shb_occluder_data *data) {
            shb_topology_bytes(&data->topology);
 }
 
-void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *made) {
+void shb_occluders_finish(shb_map *map, const shb_scene *scene, bool keeps,
+                          const shb_occluder_data *made) {
     const shb_context *context = map->context;
     release_drawn(context, &map->occluders);
     if (map->occluders.topology.corners != made->topology.corners)
@@ -177,10 +208,8 @@ void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *mad
     data->mesh.topology = &data->topology;
     if (map->classifies)
         shb_sheets_find(map, &data->mesh, &data->bins);
-    if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES) {
-        resolve_job job = {map, data->planes};
-        shb_parallel_for(context, resolve_row, &job, map->info.height);
-    }
+    if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES)
+        resolve_map(map, scene, made);
     if (!keeps || map->info.occluders != SHB_OCCLUDERS_TRIANGLES)
         release_drawn(context, data);
     map->info.memory_bytes = texel_bytes(map) + scene_bytes(data);

@@ -8,6 +8,7 @@
 #include "test.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 typedef struct bound_light {
@@ -24,13 +25,15 @@ static shb_vec3 random_direction(test_random *random) {
 
 /* Around a scene of size 2 at this distance from the origin; kind 0 is orthographic, 1 a spot, 2 a
  * spot with reversed depth. */
-static void open_light(bound_light *light, test_random *random, int kind, double offset) {
+static void open_light(bound_light *light, test_random *random, int kind, double offset,
+                       shb_format format) {
     const double distance = 3;
     light->center = shb_vec3_scale(random_direction(random), offset);
     const shb_vec3 eye =
         shb_vec3_add(light->center, shb_vec3_scale(random_direction(random), distance));
     shb_map_desc desc = {
         .width = 256u << random_below(random, 6), .height = 16, .occluders = SHB_OCCLUDERS_PLANES};
+    desc.format = format;
     if (kind == 0)
         CHECK(!shb_view_orthographic(eye, light->center, (shb_vec3){0, 0, 1}, 2, 2, 0.5, 6, false,
                                      &desc.view));
@@ -117,16 +120,22 @@ static double miss(const bound_light *light, test_random *random, const float fl
     return fabs((double)(oracle_exact(depth) - plane_depth(places, x, y))) / bound;
 }
 
-TEST(no_fragment_misses_its_plane_by_more_than_the_bound) {
-    static const double offsets[] = {0, 2, 200, 20000};
+/* Half of SHB_BOUND_SAMPLES in each test; then they also tell how sharp the bound is. */
+static long wanted_samples(long usual) {
     const char *wanted = getenv("SHB_BOUND_SAMPLES");
-    const long samples = wanted ? atol(wanted) : 250000;
+    return wanted ? atol(wanted) / 2 : usual;
+}
+
+static const double offsets[] = {0, 2, 200, 20000};
+
+TEST(no_fragment_misses_its_plane_by_more_than_the_bound) {
+    const long samples = wanted_samples(1000000) / 4;
     test_random random = {11};
     double largest = 0;
     long tested = 0, violations = 0;
     for (int lights = 0; lights < 48; lights++) {
         bound_light light;
-        open_light(&light, &random, lights % 3, offsets[lights / 3 % 4]);
+        open_light(&light, &random, lights % 3, offsets[lights / 3 % 4], SHB_FORMAT_FLOAT32);
         for (long i = 0; i < samples / 48; i++) {
             float corners[3][3];
             random_corners(&random, &light, corners);
@@ -141,6 +150,63 @@ TEST(no_fragment_misses_its_plane_by_more_than_the_bound) {
     }
     test_check(violations == 0, __FILE__, __LINE__, "%ld of %ld beyond the bound, up to %g",
                violations, tested, largest);
+    if (getenv("SHB_BOUND_SAMPLES"))
+        printf("%ld points on planes, at most %g of the bound\n", tested, largest);
     test_check(largest > 0.5, __FILE__, __LINE__, "the bound is loose: %g at most", largest);
     CHECK(tested > samples);
+}
+
+enum { OWN_POINTS = 256 };
+
+/* Points on a triangle as a host has them: positions and normals in floats. */
+static void random_points(test_random *random, const float floats[3][3],
+                          float positions[3 * OWN_POINTS], float normals[3 * OWN_POINTS]) {
+    const shb_vec3 corner = widen(floats[0]);
+    const shb_vec3 first = shb_vec3_subtract(widen(floats[1]), corner);
+    const shb_vec3 second = shb_vec3_subtract(widen(floats[2]), corner);
+    const shb_vec3 normal = shb_vec3_normalize(shb_vec3_cross(first, second));
+    for (int i = 0; i < OWN_POINTS; i++) {
+        const double b = random_double(random, 0, 1), c = random_double(random, 0, 1 - b);
+        const shb_vec3 way = shb_vec3_add(shb_vec3_scale(first, b), shb_vec3_scale(second, c));
+        const shb_vec3 point = shb_vec3_add(corner, way);
+        positions[3 * i] = (float)point.x;
+        positions[3 * i + 1] = (float)point.y;
+        positions[3 * i + 2] = (float)point.z;
+        normals[3 * i] = (float)normal.x;
+        normals[3 * i + 1] = (float)normal.y;
+        normals[3 * i + 2] = (float)normal.z;
+    }
+}
+
+/* What a map stores of a triangle, in any format, against points of the same triangle. */
+TEST(no_triangle_shadows_itself_in_any_format) {
+    const long draws = wanted_samples(100000) / OWN_POINTS / 36;
+    const shb_bias exact = shb_bias_exact();
+    static float positions[3 * OWN_POINTS], normals[3 * OWN_POINTS], visibility[OWN_POINTS];
+    test_random random = {12};
+    long asked = 0, shadowed = 0;
+    for (int lights = 0; lights < 36; lights++) {
+        bound_light light;
+        open_light(&light, &random, lights % 3, offsets[lights / 3 % 4], (shb_format)(lights / 12));
+        for (long i = 0; i < draws; i++) {
+            float corners[3][3];
+            random_corners(&random, &light, corners);
+            random_points(&random, (const float(*)[3])corners, positions, normals);
+            soup s = {0};
+            soup_add(&s, corners[0], corners[1], corners[2]);
+            CHECK(!shb_map_draw(light.map, soup_scene(&s), NULL, NULL));
+            const shb_points points = {
+                .count = OWN_POINTS, .positions = positions, .normals = normals};
+            CHECK(!shb_map_visibility(light.map, &points, &exact, NULL, visibility));
+            for (int k = 0; k < OWN_POINTS; k++)
+                shadowed += visibility[k] != 1;
+            asked += OWN_POINTS;
+            soup_free(&s);
+        }
+        close_light(&light);
+    }
+    test_check(shadowed == 0, __FILE__, __LINE__, "%ld of %ld in their own shadow", shadowed,
+               asked);
+    if (getenv("SHB_BOUND_SAMPLES"))
+        printf("%ld points on drawn triangles, %ld in their own shadow\n", asked, shadowed);
 }

@@ -246,3 +246,59 @@ TEST(planes_answer_as_the_scalar_test_by_every_instruction_set) {
     }
     soup_free(&s);
 }
+
+/* A ball and triangles of all sizes, so that texels hold runs of all lengths. */
+static void add_clutter(soup *s) {
+    test_random random = {43};
+    soup_add_ball(s, (float[]){0.2f, 0.1f, 1.6f}, 24, 24, NULL);
+    for (int i = 0; i < 60; i++) {
+        const double size = ldexp(1, -(int)random_below(&random, 7));
+        float corners[3][3];
+        for (int k = 0; k < 9; k++)
+            corners[k / 3][k % 3] =
+                (float)((k < 3 ? 0 : (double)corners[0][k % 3]) +
+                        random_double(&random, -1, 1) * (k < 3 ? 1 : size) + (k == 2 ? 1 : 0));
+        soup_add(s, corners[0], corners[1], corners[2]);
+    }
+}
+
+/* Depths and slopes of a map that is drawn by so many threads; rows without gaps. */
+static void draw_planes(const shb_scene *scene, const shb_map_desc *desc, shb_isa isa,
+                        uint32_t threads, uint32_t *out) {
+    const shb_context_desc capped = {.threads = threads, .max_isa = isa};
+    shb_context *context = NULL;
+    shb_map *map = NULL;
+    CHECK_INT(shb_context_create(&capped, &context), SHB_OK);
+    CHECK_INT(shb_map_create(context, desc, &map), SHB_OK);
+    CHECK_INT(shb_map_draw(map, scene, NULL, NULL), SHB_OK);
+    const shb_depth_image depth = shb_map_get_depth(map);
+    for (uint32_t row = 0; row < desc->height; row++) {
+        memcpy(out, (const char *)depth.texels + row * depth.stride, desc->width * sizeof *out);
+        memcpy(out + desc->width, shb_occluder_row(map, (int32_t)row), desc->width * sizeof *out);
+        out += 2 * desc->width;
+    }
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+}
+
+TEST(maps_of_planes_are_the_same_by_every_instruction_set_and_number_of_threads) {
+    enum { WIDTH = 150, HEIGHT = 90 };
+    static uint32_t expected[2 * WIDTH * HEIGHT], drawn[2 * WIDTH * HEIGHT];
+    soup s = {0};
+    add_clutter(&s);
+    for (int i = 0; i < 4; i++) {
+        shb_map_desc desc = {.width = WIDTH, .height = HEIGHT, .occluders = SHB_OCCLUDERS_PLANES};
+        desc.view = i & 2 ? probe_perspective(i & 1) : probe_orthographic(i & 1);
+        draw_planes(soup_scene(&s), &desc, SHB_ISA_SCALAR, 1, expected);
+        uint32_t held = 0;
+        for (int k = 0; k < WIDTH; k++)
+            held += expected[HEIGHT * WIDTH + WIDTH + k] != 0;
+        CHECK(held > WIDTH / 4);
+        for (uint32_t isa = SHB_ISA_SCALAR; isa <= SHB_ISA_NEON; isa++)
+            for (uint32_t threads = 1; threads <= 3; threads += 2) {
+                draw_planes(soup_scene(&s), &desc, (shb_isa)isa, threads, drawn);
+                CHECK(memcmp(drawn, expected, sizeof drawn) == 0);
+            }
+    }
+    soup_free(&s);
+}

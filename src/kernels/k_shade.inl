@@ -32,6 +32,8 @@
 
 #include "k_planes.inl"
 
+#include "k_occluders.inl"
+
 #include "k_filter.inl"
 
 #include "k_filter_exact.inl"
@@ -54,6 +56,8 @@ const shb_shade_kernels SHADE_KERNELS = {
     .hard = hard,
     .planes = ask_planes,
     .quick = WIDE > 1 ? test_quickly : NULL,
+    .find_planes = find_planes,
+    .resolve = resolve_texels,
     .pcf = pcf,
     .pcf_smooth = pcf_smooth,
     .jittered = jittered,

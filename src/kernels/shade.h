@@ -14,6 +14,20 @@ typedef struct shb_pixel_row {
     uint32_t first;
 } shb_pixel_row;
 
+/* World positions of triangles whose planes are found at the same time. */
+#define SHB_PLANE_LANES 16
+
+typedef struct shb_plane_corners {
+    SHB_ALIGN double at[3][3][SHB_PLANE_LANES]; /* corner, axis */
+} shb_plane_corners;
+
+/* What texels that hold triangles' ids are resolved with. */
+typedef struct shb_resolve {
+    const shb_occluder_plane *planes; /* by id */
+    const uint32_t *slopes;           /* as texels hold them */
+    float far_depth;
+} shb_resolve;
+
 typedef struct shb_shade_kernels {
     /* Copies count triples without gaps; the last one fills up the lanes. */
     void (*load)(const float *triples, size_t count, float *x, float *y, float *z);
@@ -43,6 +57,15 @@ typedef struct shb_shade_kernels {
      * are, SIZE_MAX if it is not made for the map or sees nothing to be sure of. NULL: none. */
     size_t (*quick)(const shb_map *map, const shb_quick_bias *bias, size_t count,
                     const shb_receivers *receivers, float *visibility, uint16_t *doubtful);
+
+    /* Planes of count triangles; all lanes of the corners are read. */
+    void (*find_planes)(const shb_map *map, size_t count, const shb_plane_corners *corners,
+                        shb_occluder_plane planes[SHB_PLANE_LANES]);
+
+    /* Depths and slopes of count texels of a row, from their triangles' ids. A depth lies behind
+     * the true plane by all that the plane may be off. SHB_PLANE_LANES more may be written. */
+    void (*resolve)(const shb_resolve *job, uint32_t row, uint32_t first, uint32_t count,
+                    const uint32_t *ids, float *depths, uint32_t *slopes);
 
     /* Filters of boxes of texels, and of scattered ones. */
     shb_filter_fn *pcf, *pcf_smooth, *jittered, *poisson;

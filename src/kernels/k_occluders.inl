@@ -1,0 +1,141 @@
+/* The planes of triangles, and what the texels of a map that keeps planes make of them. */
+
+static inline ALWAYS_INLINE wd difference(wd a, wd b) {
+    return wd_abs(a - b);
+}
+
+/* How far the map's texels near a triangle can lie from its anchor, on an axis. */
+static inline ALWAYS_INLINE wd plane_reach(wd anchor, const wd places[3], double size,
+                                           wd in_front) {
+    wd reach = difference(places[0], anchor);
+    for (int k = 1; k < 3; k++) {
+        const wd other = difference(places[k], anchor);
+        reach = wd_where_greater(other, reach, other, reach);
+    }
+    const wd whole = wd_abs(anchor) + size;
+    reach = wd_where_greater(whole, reach, reach, whole);
+    return wd_where_greater(in_front, wd_splat(0.0), reach, whole) + 1.0;
+}
+
+/* The normal by winding and what its elements may be off by: differences and products are rounded,
+ * and so are corners that a transform has moved. */
+static inline ALWAYS_INLINE void normal_of(const wd corners[3][3], wd normal[3], wd error[3]) {
+    const double e = SHB_DOUBLE_ROUNDING;
+    wd first[3], second[3];
+    for (int i = 0; i < 3; i++) {
+        first[i] = corners[1][i] - corners[0][i];
+        second[i] = corners[2][i] - corners[0][i];
+    }
+    wide_cross(first, second, normal);
+    const wd size =
+        (wide_sum_abs(corners[0]) + wide_sum_abs(corners[1])) + wide_sum_abs(corners[2]);
+    const wd moved = 4 * e * size * (wide_sum_abs(first) + wide_sum_abs(second));
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        error[i] = 8 * e * (wd_abs(first[j] * second[k]) + wd_abs(first[k] * second[j])) + moved;
+    }
+}
+
+typedef struct wide_plane {
+    wd z, slope_x, slope_y, error;
+} wide_plane;
+
+/* Anchored at the corner farthest from the light, which lies in front of it if anything does. */
+static inline ALWAYS_INLINE wide_plane plane_of(const shb_map *map, const shb_light_rows *rows,
+                                                const wd corners[3][3]) {
+    const wd zero = wd_splat(0.0), one = wd_splat(1.0);
+    wd in_front = one, w = zero, x[3], y[3], anchor[3];
+    for (int k = 0; k < 3; k++) {
+        const wd *p = corners[k];
+        const wd corner_w = row_at(rows->w, p[0], p[1], p[2]), inverse_w = 1.0 / corner_w;
+        x[k] = row_at(rows->x, p[0], p[1], p[2]) * inverse_w;
+        y[k] = row_at(rows->y, p[0], p[1], p[2]) * inverse_w;
+        in_front = wd_where_greater(corner_w, zero, in_front, zero);
+        for (int i = 0; i < 3; i++)
+            anchor[i] = k == 0 ? p[i] : wd_where_greater(corner_w, w, p[i], anchor[i]);
+        w = k == 0 ? corner_w : wd_where_greater(corner_w, w, corner_w, w);
+    }
+    const wide_light_point point = wide_light_point_at(rows, anchor, 0);
+    wd normal[3], normal_error[3];
+    normal_of(corners, normal, normal_error);
+    const wide_light_slopes slopes = wide_light_slopes_of(rows, &point, normal, normal_error);
+    const double width = map->info.width, height = map->info.height;
+    const wd to_origin = wd_abs(point.z) + wd_abs(slopes.x) * (wd_abs(point.x) + width) +
+                         wd_abs(slopes.y) * (wd_abs(point.y) + height);
+    const wd error = (2.0 * wide_light_point_error(&point, slopes.x, slopes.y) +
+                      (slopes.error_x * plane_reach(point.x, x, width, in_front) +
+                       slopes.error_y * plane_reach(point.y, y, height, in_front))) +
+                     8 * SHB_DOUBLE_ROUNDING * to_origin;
+    const wd usable = wd_where_greater(one, error, wd_where_greater(w, zero, one, zero), zero);
+    const wd z = (point.z - slopes.x * point.x) - slopes.y * point.y;
+    return (wide_plane){wd_where_greater(usable, zero, z, zero),
+                        wd_where_greater(usable, zero, slopes.x, zero),
+                        wd_where_greater(usable, zero, slopes.y, zero),
+                        wd_where_greater(usable, zero, error, wd_splat((double)INFINITY))};
+}
+
+static void find_planes(const shb_map *map, size_t count, const shb_plane_corners *corners,
+                        shb_occluder_plane planes[SHB_PLANE_LANES]) {
+    const shb_light_rows rows = map->rows;
+    for (size_t i = 0; i < count; i += DOUBLES) {
+        wd at[3][3];
+        for (int k = 0; k < 3; k++)
+            for (int axis = 0; axis < 3; axis++)
+                at[k][axis] = wd_load(corners->at[k][axis] + i);
+        const wide_plane wide = plane_of(map, &rows, (const wd(*)[3])at);
+        double z[DOUBLES], slope_x[DOUBLES], slope_y[DOUBLES], error[DOUBLES];
+        wd_store(z, wide.z);
+        wd_store(slope_x, wide.slope_x);
+        wd_store(slope_y, wide.slope_y);
+        wd_store(error, wide.error);
+        for (size_t k = 0; k < DOUBLES; k++)
+            planes[i + k] = (shb_occluder_plane){z[k], slope_x[k], slope_y[k], error[k]};
+    }
+}
+
+/* Rounded away from the light, by less than two units in the last place, and no farther than the
+ * far depth. */
+static inline ALWAYS_INLINE void store_depths(wd depth, double far_depth, float *out) {
+    depth = wd_min(depth, wd_splat(far_depth));
+    wd_store_floats(out, depth);
+    const wd rounded = wd_load_floats(out);
+    wd_store_floats(out,
+                    wd_where_greater(depth, rounded, rounded + wd_abs(rounded) * 0x1p-23, rounded));
+}
+
+/* The end of the run of texels that hold one triangle. */
+static inline ALWAYS_INLINE uint32_t run_end(const uint32_t *ids, uint32_t i, uint32_t count) {
+    const vu id = ids[i] - (vu){0};
+    uint32_t end = i + 1;
+    for (; end + WIDE <= count; end += WIDE) {
+        const vi differs = (vi)((vu)vi_load((const int32_t *)(const void *)(ids + end)) != id);
+        if (vi_any(differs))
+            break;
+    }
+    while (end < count && ids[end] == ids[i])
+        end++;
+    return end;
+}
+
+/* Runs of one triangle are written by whole vectors, which the next ones write over. */
+static void resolve_texels(const shb_resolve *job, uint32_t row, uint32_t first, uint32_t count,
+                           const uint32_t *ids, float *depths, uint32_t *slopes) {
+    static const double centers[8] = {0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5};
+    const wd ramp = wd_load(centers);
+    const double y = row + 0.5, far_depth = (double)job->far_depth;
+    for (uint32_t i = 0, end; i < count; i = end) {
+        const uint32_t id = ids[i];
+        end = run_end(ids, i, count);
+        const shb_occluder_plane nothing = {far_depth, 0, 0, 0};
+        const shb_occluder_plane plane = id == SHB_ID_NONE ? nothing : job->planes[id];
+        const uint32_t packed = id == SHB_ID_NONE ? 0 : job->slopes[id];
+        const double rise = plane.slope_y * y;
+        for (uint32_t k = i; k < end; k += DOUBLES) {
+            const wd x = ramp + (double)(first + k);
+            store_depths(((plane.z + plane.slope_x * x) + rise) + plane.error, far_depth,
+                         depths + k);
+            for (uint32_t lane = 0; lane < DOUBLES; lane++)
+                slopes[k + lane] = packed;
+        }
+    }
+}
