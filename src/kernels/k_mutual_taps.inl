@@ -40,7 +40,8 @@ static NEVER_INLINE vi shadowed_taps(mutual_batch *batch, size_t first, vi hits,
     const vu texels = gather_occluders(batch->map, x & hits, y & hits);
     const vf to_x = vf_load(r->to_center_x + first) + m, to_y = vf_load(r->to_center_y + first) + n;
     if (batch->map->info.occluders == SHB_OCCLUDERS_TRIANGLES)
-        return shadowed_by_triangles(batch, first, 1, hits, texels, to_x, to_y);
+        return shadowed_by_triangles(
+            batch, first, 1, open_to_triangles(batch, first, 1, hits, texels), texels, to_x, to_y);
     const mutual_lanes own = mutual_lanes_at(batch, first);
     return hits & passes_in_front(&own, mutual_way_of(&own, own.moved_x, to_x),
                                   mutual_way_of(&own, own.moved_y, to_y), stored, texels);
@@ -56,7 +57,8 @@ static NEVER_INLINE vi shadowed_taps_of_one(mutual_batch *batch, size_t i, vi hi
     const vf to_x = r->to_center_x[i] + __builtin_convertvector(columns, vf);
     const vf to_y = vf_splat(r->to_center_y[i] + (float)n);
     if (batch->map->info.occluders == SHB_OCCLUDERS_TRIANGLES)
-        return shadowed_by_triangles(batch, i, 0, hits, texels, to_x, to_y);
+        return shadowed_by_triangles(batch, i, 0, open_to_triangles(batch, i, 0, hits, texels),
+                                     texels, to_x, to_y);
     const mutual_lanes own = mutual_lanes_of_one(batch, i);
     return hits & passes_in_front(&own, mutual_way_of(&own, own.moved_x, to_x),
                                   mutual_way_of(&own, own.moved_y, to_y), stored, texels);

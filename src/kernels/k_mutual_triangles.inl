@@ -90,12 +90,18 @@ static void find_plain_triangles(mutual_batch *batch, size_t count) {
 }
 
 /* Of WIDE taps that hold these triangles in front of the planes of fragments first, first + step,
- * ..., those that are shadowed; to_x and to_y lead from the fragment to the tap's centre. */
-static vi shadowed_by_triangles(mutual_batch *batch, size_t first, size_t step, vi hits,
-                                vu triangles, vf to_x, vf to_y) {
-    const vu plain = step ? (vu)vi_load((const int32_t *)batch->plain + first)
-                          : (vu)vi_splat((int32_t)batch->plain[first]);
-    vi open = hits & (vi)(triangles != plain) & (vi)(triangles != SHB_ID_NONE);
+ * ..., those that are to be asked. */
+static inline ALWAYS_INLINE vi open_to_triangles(const mutual_batch *batch, size_t first,
+                                                 size_t step, vi hits, vu triangles) {
+    const vi plain = step ? vi_load((const int32_t *)batch->plain + first)
+                          : vi_splat((int32_t)batch->plain[first]);
+    return hits & ((vi)triangles != plain) & ((vi)triangles != (int32_t)SHB_ID_NONE);
+}
+
+/* Of these taps those that are shadowed; to_x and to_y lead from the fragment to the tap's centre.
+ */
+static NEVER_INLINE vi shadowed_by_triangles(mutual_batch *batch, size_t first, size_t step,
+                                             vi open, vu triangles, vf to_x, vf to_y) {
     vi shadowed = {0};
     for (uint32_t bits = vi_bits(open); bits; bits = vi_bits(open)) {
         const int lane = __builtin_ctz(bits);
