@@ -2,6 +2,7 @@
 #ifndef SRC_MAP_H
 #define SRC_MAP_H
 
+#include "context.h"
 #include "light_bounds.h"
 #include "light_mesh.h"
 #include "sheets.h"
@@ -53,8 +54,9 @@ typedef struct shb_occluder_data {
     uint32_t *texels;  /* two halves: slopes in x (low) and y over slope_unit; or a triangle's id */
     size_t stride;     /* bytes */
     double slope_unit; /* a power of two */
-    size_t plane_count; /* triangles of the scene */
-    shb_occluder_plane *planes;
+    size_t plane_count;         /* triangles of the scene */
+    shb_occluder_plane *planes; /* in plane_buffer */
+    shb_buffer plane_buffer;
     shb_topology topology; /* of the latest scene, kept for the next drawing */
     shb_light_mesh mesh;
     shb_sheets sheets;

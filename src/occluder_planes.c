@@ -42,14 +42,16 @@ static void find_chunk(const plane_job *job, plane_chunk *chunk) {
     chunk->count = 0;
 }
 
+/* transform NULL: the mesh is in the world as it is. */
 static void add_triangle(const shb_mesh *mesh, const shb_mat4 *transform, uint32_t triangle,
                          plane_chunk *chunk) {
     uint32_t vertices[3];
     shb_mesh_triangle(mesh, triangle, vertices);
     for (int k = 0; k < 3; k++) {
         const float *p = shb_mesh_position(mesh, vertices[k]);
-        const shb_vec3 corner = shb_mat4_transform_point(
-            *transform, (shb_vec3){(double)p[0], (double)p[1], (double)p[2]});
+        shb_vec3 corner = {(double)p[0], (double)p[1], (double)p[2]};
+        if (transform)
+            corner = shb_mat4_transform_point(*transform, corner);
         chunk->corners.at[k][0][chunk->count] = corner.x;
         chunk->corners.at[k][1][chunk->count] = corner.y;
         chunk->corners.at[k][2][chunk->count] = corner.z;
@@ -69,12 +71,13 @@ static void make_block(void *arg, size_t index) {
         uint32_t first;
         const shb_instance *instance =
             &job->scene->instances[shb_scene_instance_of(job->scene, (uint32_t)id, &first)];
-        const shb_mat4 transform = shb_instance_transform(instance);
+        const shb_mat4 transform = shb_instance_transform(instance), still = shb_mat4_identity();
+        const bool moves = memcmp(&transform, &still, sizeof still) != 0;
         const size_t instance_end = (size_t)first + instance->mesh->triangle_count;
         for (; id < end && id < instance_end; id++) {
             if (!is_wanted(job, id))
                 continue;
-            add_triangle(instance->mesh, &transform, (uint32_t)id - first, &chunk);
+            add_triangle(instance->mesh, moves ? &transform : NULL, (uint32_t)id - first, &chunk);
             chunk.ids[chunk.count++] = id;
             if (chunk.count == SHB_PLANE_LANES)
                 find_chunk(job, &chunk);

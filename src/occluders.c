@@ -60,8 +60,9 @@ void shb_occluders_destroy(shb_map *map) {
 
 /* All that a drawing makes, but a topology that stays. */
 static void release_drawn(const shb_context *context, shb_occluder_data *data) {
-    shb_free(context, data->planes);
+    shb_free(context, data->plane_buffer.data);
     shb_light_mesh_release(context, &data->mesh);
+    data->plane_buffer = (shb_buffer){NULL, 0};
     data->planes = NULL;
     data->plane_count = 0;
 }
@@ -81,19 +82,36 @@ static bool find_topology(const shb_map *map, const shb_scene *scene, shb_topolo
            shb_topology_make(map->context, scene, key, topology);
 }
 
+/* Memory of an earlier drawing, if it is large enough. */
+static bool take_plane_buffer(shb_context *context, size_t count, shb_occluder_data *made) {
+    made->plane_buffer = context->occluder_scratch[0];
+    context->occluder_scratch[0] = (shb_buffer){NULL, 0};
+    if (!shb_buffer_reserve(context, &made->plane_buffer, count, sizeof *made->planes))
+        return false;
+    made->planes = made->plane_buffer.data;
+    return true;
+}
+
+/* For the next drawing. */
+static void return_plane_buffer(shb_context *context, shb_occluder_data *data) {
+    shb_free(context, context->occluder_scratch[0].data);
+    context->occluder_scratch[0] = data->plane_buffer;
+    data->plane_buffer = (shb_buffer){NULL, 0};
+}
+
 bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keeps,
                            shb_occluder_data *made) {
-    const shb_context *context = map->context;
     const size_t count = (size_t)shb_scene_triangle_count(scene);
     const bool walks = keeps && map->info.occluders == SHB_OCCLUDERS_TRIANGLES;
     const bool planes = keeps && (walks || map->info.occluders == SHB_OCCLUDERS_PLANES);
     *made = map->occluders;
     made->mesh = (shb_light_mesh){0};
     made->plane_count = count;
+    made->plane_buffer = (shb_buffer){NULL, 0};
     made->planes = NULL;
     bool done = true;
     if (walks)
-        done = (made->planes = shb_alloc(context, count, sizeof *made->planes)) != NULL;
+        done = take_plane_buffer(map->context, count, made);
     else if (planes)
         done = shb_occluder_scratch_reserve(map->context, count, &made->scratch);
     if (done && map->classifies)
@@ -200,6 +218,8 @@ static size_t scene_bytes(const shb_occluder_data *data) {
 void shb_occluders_finish(shb_map *map, const shb_scene *scene, bool keeps,
                           const shb_occluder_data *made) {
     const shb_context *context = map->context;
+    if (made->planes)
+        return_plane_buffer(map->context, &map->occluders);
     release_drawn(context, &map->occluders);
     if (map->occluders.topology.corners != made->topology.corners)
         shb_topology_release(context, &map->occluders.topology);
