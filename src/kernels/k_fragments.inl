@@ -114,23 +114,38 @@ static void read_fragments(const shb_pixel_row *row, size_t run_count, const shb
     }
 }
 
-/* Cosines between shading normals and directions to the light, in double: distances may be large. A
- * light that a triangle does not face has no visibility and no cosine. */
+/* Cosines between shading normals and directions to the light, in double: distances may be large.
+ * A directional light has one direction everywhere. */
+static inline ALWAYS_INLINE void write_cosines(const shb_light_source *light, bool directional,
+                                               size_t lanes,
+                                               const shb_fragments *restrict fragments,
+                                               float *restrict cosine) {
+    const double light_w = light->w;
+    wd x = wd_splat(light->position.x), y = wd_splat(light->position.y);
+    wd z = wd_splat(light->position.z), length = wd_sqrt(x * x + y * y + z * z);
+    for (size_t i = 0; i < lanes; i += DOUBLES) {
+        if (!directional) {
+            x = light->position.x - light_w * wd_load_floats(fragments->x + i);
+            y = light->position.y - light_w * wd_load_floats(fragments->y + i);
+            z = light->position.z - light_w * wd_load_floats(fragments->z + i);
+            length = wd_sqrt(x * x + y * y + z * z);
+        }
+        const wd along = x * wd_load_floats(fragments->shading_x + i) +
+                         y * wd_load_floats(fragments->shading_y + i) +
+                         z * wd_load_floats(fragments->shading_z + i);
+        wd_store_floats(cosine + i, along / length);
+    }
+}
+
+/* A light that a triangle does not face has no visibility and no cosine. */
 static void light_fragments(const shb_light_source *light, uint32_t number, size_t count,
                             const shb_fragments *restrict fragments,
                             const uint32_t *restrict facing, shb_lighting *restrict out) {
     const size_t lanes = shb_round_to_lanes(count);
-    const shb_vec3 position = light->position;
-    const double light_w = light->w;
-    for (size_t i = 0; i < lanes; i += DOUBLES) {
-        const wd x = position.x - light_w * wd_load_floats(fragments->x + i);
-        const wd y = position.y - light_w * wd_load_floats(fragments->y + i);
-        const wd z = position.z - light_w * wd_load_floats(fragments->z + i);
-        const wd along = x * wd_load_floats(fragments->shading_x + i) +
-                         y * wd_load_floats(fragments->shading_y + i) +
-                         z * wd_load_floats(fragments->shading_z + i);
-        wd_store_floats(out->cosine + i, along / wd_sqrt(x * x + y * y + z * z));
-    }
+    if (light->w == 0)
+        write_cosines(light, true, lanes, fragments, out->cosine);
+    else
+        write_cosines(light, false, lanes, fragments, out->cosine);
     for (size_t i = 0; i < lanes; i++) {
         const bool faces = (facing[i] >> number & 1) != 0;
         const float positive = out->cosine[i] > 0 ? out->cosine[i] : 0.0f;
