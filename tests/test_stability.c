@@ -30,7 +30,7 @@ static shb_errors errors_in(stability_stage *stage, const char *name) {
 
 static stability_stage stage_of(shb_context *context, const stability_case *c) {
     stability_stage stage;
-    CHECK_INT(stability_stage_open(context, c, WIDTH, HEIGHT, 1, &stage), SHB_OK);
+    CHECK_INT(stability_stage_open(context, c, WIDTH, HEIGHT, 0, 1, &stage), SHB_OK);
     return stage;
 }
 
@@ -105,6 +105,22 @@ TEST(a_constant_bias_loses_a_narrow_gap_that_lists_keep) {
     const shb_errors kept = errors_in(&stage, "exact-lists");
     CHECK_INT(kept.false_light, 0);
     CHECK_INT(kept.false_shadow, 0);
+    stability_stage_close(&stage);
+    shb_context_destroy(context);
+}
+
+TEST(maps_have_the_size_of_their_case_before_that_of_the_options) {
+    shb_context *context = create_context();
+    const stability_case own = case_of("map-size-64"), any = case_of("plane-45");
+    stability_stage stage;
+    CHECK_INT(stability_stage_open(context, &own, 16, 12, 128, 1, &stage), SHB_OK);
+    CHECK_INT(stage.map.width, 64);
+    stability_stage_close(&stage);
+    CHECK_INT(stability_stage_open(context, &any, 16, 12, 128, 1, &stage), SHB_OK);
+    CHECK_INT(stage.map.width, 128);
+    stability_stage_close(&stage);
+    CHECK_INT(stability_stage_open(context, &any, 16, 12, 0, 1, &stage), SHB_OK);
+    CHECK_INT(stage.map.width, STABILITY_MAP_SIZE);
     stability_stage_close(&stage);
     shb_context_destroy(context);
 }
@@ -184,9 +200,9 @@ TEST(means_leave_out_cases_without_such_fragments_and_name_the_worst) {
     const stability_rates a = {.lit = 10, .false_shadow_far = 100, .wrong = 100};
     const stability_rates b = {
         .lit = 5, .shadowed = 5, .false_shadow_far = 300, .false_light_far = 50, .wrong = 175};
-    CHECK(stability_rows_add(&rows, (stability_row){&first, "m", STABILITY_DEFAULT, a}));
-    CHECK(stability_rows_add(&rows, (stability_row){&first, "m", STABILITY_TUNED, b}));
-    CHECK(stability_rows_add(&rows, (stability_row){&second, "m", STABILITY_DEFAULT, b}));
+    CHECK(stability_rows_add(&rows, (stability_row){&first, "m", STABILITY_DEFAULT, a, 64}));
+    CHECK(stability_rows_add(&rows, (stability_row){&first, "m", STABILITY_TUNED, b, 64}));
+    CHECK(stability_rows_add(&rows, (stability_row){&second, "m", STABILITY_DEFAULT, b, 64}));
     const stability_row *worst;
     const stability_rates mean = stability_rows_mean(&rows, "m", STABILITY_DEFAULT, &worst);
     CHECK(worst == &rows.rows[2]);
@@ -202,10 +218,10 @@ TEST(means_leave_out_cases_without_such_fragments_and_name_the_worst) {
 
 TEST(the_table_names_its_columns_and_ends_with_the_means) {
     const stability_case c = {
-        .name = "c", .group = "g", .format = SHB_FORMAT_UNORM16, .reversed = true, .map_size = 64};
+        .name = "c", .group = "g", .format = SHB_FORMAT_UNORM16, .reversed = true};
     const stability_rates rates = {3, 1, 1.5, 2, 3, 4, 0.25};
     stability_rows rows = {0};
-    CHECK(stability_rows_add(&rows, (stability_row){&c, "none", STABILITY_TUNED, rates}));
+    CHECK(stability_rows_add(&rows, (stability_row){&c, "none", STABILITY_TUNED, rates, 64}));
     char text[1024] = "";
     FILE *file = tmpfile();
     if (CHECK(file != NULL)) {

@@ -19,8 +19,7 @@ static void print_rates(FILE *stream, const char *method, stability_setting sett
 static void print_row(FILE *stream, const stability_row *row) {
     const stability_case *c = row->subject;
     fprintf(stream, "%s\t%s\t%s%s\t%u\t", c->name, c->group, format_name(c->format),
-            c->reversed ? "-reversed" : "",
-            (unsigned)(c->map_size ? c->map_size : STABILITY_MAP_SIZE));
+            c->reversed ? "-reversed" : "", (unsigned)row->map_size);
     print_rates(stream, row->method, row->setting, &row->rates);
 }
 

@@ -24,6 +24,7 @@ typedef struct stability_row {
     const char *method;
     stability_setting setting;
     stability_rates rates;
+    uint32_t map_size;
 } stability_row;
 
 /* What a map says for certain of a case's fragments. */

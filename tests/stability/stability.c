@@ -82,6 +82,8 @@ int main(int argc, char **argv) {
         {"--case", "NAME", "only this case", ARGUMENT_TEXT, &options.subject, 0, 0},
         {"--box", "N", "judge pcf over N x N texels, away from silhouettes in all of them",
          ARGUMENT_COUNT, &options.box, 1, 63},
+        {"--size", "N", "texels on a side of maps where the case is not about it (1024)",
+         ARGUMENT_COUNT, &options.map_size, 1, 16384},
         {"--tsv", NULL, "print every row, tab-separated", ARGUMENT_FLAG, &options.tsv, 0, 0},
         {"--out", "DIR", "write stability.tsv, certain.tsv, heat.ppm and heat.svg", ARGUMENT_TEXT,
          &options.directory, 0, 0},

@@ -153,8 +153,12 @@ static shb_result find_truth(stability_stage *stage, uint32_t reach) {
 }
 
 shb_result stability_stage_open(shb_context *context, const stability_case *c, uint32_t width,
-                                uint32_t height, uint32_t reach, stability_stage *stage) {
-    const uint32_t map_size = c->map_size ? c->map_size : STABILITY_MAP_SIZE;
+                                uint32_t height, uint32_t map_size, uint32_t reach,
+                                stability_stage *stage) {
+    if (c->map_size)
+        map_size = c->map_size;
+    else if (!map_size)
+        map_size = STABILITY_MAP_SIZE;
     *stage = (stability_stage){.context = context,
                                .scene = calloc(1, sizeof *stage->scene),
                                .map = {.width = map_size, .format = c->format}};

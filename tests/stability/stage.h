@@ -19,11 +19,12 @@ typedef struct stability_stage {
 } stability_stage;
 
 /* False if the case has no file here; the result tells of other failures. On failure *stage is
- * empty. reach: texels of the map within which a true shadow boundary is near, 1 for a single
- * tap. */
+ * empty. map_size: of cases that do not name one, 0: STABILITY_MAP_SIZE. reach: texels of the map
+ * within which a true shadow boundary is near, 1 for a single tap. */
 bool stability_case_exists(const stability_case *c);
 shb_result stability_stage_open(shb_context *context, const stability_case *c, uint32_t width,
-                                uint32_t height, uint32_t reach, stability_stage *stage);
+                                uint32_t height, uint32_t map_size, uint32_t reach,
+                                stability_stage *stage);
 void stability_stage_close(stability_stage *stage);
 
 /* A map of the stage's light, drawn for a method with these parameters; the caller destroys it. */

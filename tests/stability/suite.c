@@ -17,10 +17,10 @@ bool stability_wants_case(const stability_options *options, const stability_case
     return (c->quick || !options->quick) && stability_case_exists(c);
 }
 
-static bool add_row(stability_rows *rows, const stability_case *c, const char *method,
-                    stability_setting setting, const shb_errors *errors) {
-    return stability_rows_add(rows,
-                              (stability_row){c, method, setting, stability_rates_of(errors)});
+static bool add_row(stability_rows *rows, const stability_stage *stage, const stability_case *c,
+                    const char *method, stability_setting setting, const shb_errors *errors) {
+    return stability_rows_add(
+        rows, (stability_row){c, method, setting, stability_rates_of(errors), stage->map.width});
 }
 
 /* Both settings of a method; one without a parameter has nothing to tune. */
@@ -28,12 +28,12 @@ static shb_result run_method(stability_stage *stage, const stability_case *c,
                              const listed_method *method, stability_rows *rows) {
     shb_errors errors;
     shb_result result = stability_measure(stage, method, &errors);
-    if (!result && !add_row(rows, c, method->name, STABILITY_DEFAULT, &errors))
+    if (!result && !add_row(rows, stage, c, method->name, STABILITY_DEFAULT, &errors))
         return SHB_ERROR_MEMORY;
     if (result || !method->method->param_names[0])
         return result;
     result = stability_tune(stage, method, &errors);
-    if (!result && !add_row(rows, c, method->name, STABILITY_TUNED, &errors))
+    if (!result && !add_row(rows, stage, c, method->name, STABILITY_TUNED, &errors))
         return SHB_ERROR_MEMORY;
     return result;
 }
@@ -50,7 +50,7 @@ static shb_result run_certain(const stability_stage *stage, const stability_case
 shb_result stability_open(shb_context *context, const stability_options *options,
                           const stability_case *c, uint32_t reach, stability_stage *stage) {
     const uint32_t width = options->quick ? 160 : 320, height = options->quick ? 120 : 240;
-    return stability_stage_open(context, c, width, height, reach, stage);
+    return stability_stage_open(context, c, width, height, options->map_size, reach, stage);
 }
 
 static bool run_case(shb_context *context, const stability_options *options,
