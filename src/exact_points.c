@@ -3,7 +3,6 @@
 #include "exact_points.h"
 
 #include "lists.h"
-#include "project.h"
 
 #include <math.h>
 
@@ -62,9 +61,9 @@ static bool place_all(const shb_filter_args *args, shb_exact_points *points) {
     return true;
 }
 
-static void fill_lanes(shb_exact_points *points) {
+static void fill_group(shb_exact_points *points) {
     const size_t last = points->count - 1;
-    for (size_t i = points->count; i < shb_round_to_lanes(points->count); i++) {
+    for (size_t i = points->count; i % SHB_LIST_GROUP; i++) {
         points->x[i] = points->x[last];
         points->y[i] = points->y[last];
         points->z[i] = points->z[last];
@@ -86,7 +85,7 @@ void shb_exact_points_of(const shb_filter_args *args, shb_exact_points *points) 
         }
     for (size_t i = 0; i < args->count; i++)
         points->own_ids[i] = points->has_ids ? own->ids[i] : SHB_ID_NONE;
-    fill_lanes(points);
+    fill_group(points);
 }
 
 void shb_exact_points_pick(const shb_exact_points *from, const uint16_t *numbers, size_t count,
@@ -101,7 +100,7 @@ void shb_exact_points_pick(const shb_exact_points *from, const uint16_t *numbers
         to->z[k] = from->z[i];
         to->own_ids[k] = from->own_ids[i];
     }
-    fill_lanes(to);
+    fill_group(to);
 }
 
 shb_result shb_own_triangles_check(const shb_map *map, const char *caller,

@@ -10,7 +10,7 @@
 #define SHB_WEIGHTS_ROUNDING 0x1p-46
 
 typedef struct shb_exact_points {
-    size_t count; /* up to whole vectors there are copies of the last one */
+    size_t count; /* up to whole groups of SHB_LIST_GROUP there are copies of the last one */
     SHB_ALIGN double x[SHB_BATCH];
     double y[SHB_BATCH];
     double z[SHB_BATCH];

@@ -13,29 +13,74 @@
 
 #include "exact.h"
 #include "exact_walk.h"
+#include "kernels/lists.h"
 #include "occluders.h"
+
+#include <math.h>
 
 /* Where a triangle that covers the fragment's place lies, as far as rounding can tell; HIT_NONE:
  * it has no plane that could tell. */
 typedef enum hit { HIT_NONE, HIT_BEHIND, HIT_OWN, HIT_IN_FRONT } hit;
 
+/* What the rows' products can be off by at a place of the scene: 8 roundings of double each. */
+typedef struct product_errors {
+    double x, y, z, w;
+} product_errors;
+
 typedef struct asking {
     const shb_map *map;
     const shb_receivers *receivers;
-    size_t number;
+    size_t number; /* of the fragment */
     uint32_t own_id;
-    shb_light_point point;
+    double x, y, z;
     int32_t column, row;
+    double by_position[3]; /* the bounds of light_point.h: of the point's own rounding, */
+    double error_x, error_y, error_z; /* and of calculation */
+    uint32_t samples[4];              /* triangles; that of the fragment's own texel first */
     shb_walk walks[4];
     int count;
 } asking;
 
+static double row_error(const shb_list_frame *frame, const double row[4]) {
+    const double size = (fabs(row[0]) + fabs(row[1])) + fabs(row[2]);
+    return 8 * SHB_DOUBLE_ROUNDING * (size * frame->reach + fabs(row[3]));
+}
+
+static product_errors product_errors_of(const shb_list_frame *frame) {
+    return (product_errors){row_error(frame, frame->rows[0]), row_error(frame, frame->rows[1]),
+                            row_error(frame, frame->rows[2]), row_error(frame, frame->rows[3])};
+}
+
+/* (1) and (2) of light_point.h, for a point that may be off by rounding. */
+static void bound_errors(asking *a, const shb_list_group *g, size_t i, double rounding,
+                         const product_errors *errors) {
+    const double *w = a->map->rows.w, inverse_w = g->inverse_w[i];
+    const double p[3] = {fabs(g->world[0][i]), fabs(g->world[1][i]), fabs(g->world[2][i])};
+    const double moved_w = rounding * inverse_w * shb_dot_abs(w, p);
+    const double left = moved_w < 1 ? 1 - moved_w : 0;
+    const double by_position = rounding * inverse_w * ((1 + 0x1p-10 + 2 * moved_w) / left);
+    const double noise = inverse_w * g->scale[i];
+    for (int k = 0; k < 3; k++)
+        a->by_position[k] = by_position * p[k];
+    a->error_x = noise * (errors->x + fabs(a->x) * errors->w);
+    a->error_y = noise * (errors->y + fabs(a->y) * errors->w);
+    a->error_z = noise * (errors->z + fabs(a->z) * errors->w);
+}
+
+/* The vectors C - slope_x A - slope_y B of (1) have Tz - slope_x Tx - slope_y Ty - (Z - slope_x X -
+ * slope_y Y) Tw. */
 static hit compare_depth(const asking *a, uint32_t triangle) {
     const shb_occluder_plane *plane = &a->map->occluders.planes[triangle];
-    const shb_light_point *point = &a->point;
-    const double behind = point->z - shb_occluder_depth(plane, point->x, point->y);
-    const double error =
-        shb_light_point_error(point, plane->slope_x, plane->slope_y) + plane->error;
+    const shb_light_rows *rows = &a->map->rows;
+    const double slope_x = plane->slope_x, slope_y = plane->slope_y;
+    const double behind = a->z - shb_occluder_depth(plane, a->x, a->y);
+    const double at_origin = (a->z - slope_x * a->x) - slope_y * a->y;
+    double error =
+        plane->error + (a->error_z + fabs(slope_x) * a->error_x + fabs(slope_y) * a->error_y);
+    for (int i = 0; i < 3; i++)
+        error += fabs((rows->z[i] - at_origin * rows->w[i]) -
+                      (slope_x * rows->x[i] + slope_y * rows->y[i])) *
+                 a->by_position[i];
     return !(error < HUGE_VAL) ? HIT_NONE
            : behind > error    ? HIT_IN_FRONT
            : behind >= -error  ? HIT_OWN
@@ -50,33 +95,62 @@ static hit next_hit(const asking *a, shb_walk *walk) {
     return found;
 }
 
-static bool has_walk_from(const asking *a, uint32_t triangle) {
-    for (int i = 0; i < a->count; i++)
-        if (a->walks[i].triangle == triangle)
-            return true;
-    return false;
-}
-
-/* Walks from the four nearest samples, one for each triangle, the nearest sample first; returns
- * whether all four have one. */
-static bool begin_walks(asking *a) {
+/* The triangles that the four nearest samples see; whether all four see one. */
+static bool read_samples(asking *a) {
     const shb_map *map = a->map;
-    const double to[2] = {a->point.x, a->point.y};
-    const int32_t left = a->column - (to[0] - a->column < 0.5);
-    const int32_t top = a->row - (to[1] - a->row < 0.5);
+    const int32_t left = a->column - (a->x - a->column < 0.5);
+    const int32_t top = a->row - (a->y - a->row < 0.5);
     const int own = (a->column - left) + 2 * (a->row - top);
     bool complete = true;
-    a->count = 0;
     for (int k = 0; k < 4; k++) {
         const int32_t column = left + ((own ^ k) & 1), row = top + ((own ^ k) >> 1);
         const bool inside = (uint32_t)column < map->info.width && (uint32_t)row < map->info.height;
-        const uint32_t id = inside ? shb_occluder_row(map, row)[column] : SHB_ID_NONE;
-        const double from[2] = {column + 0.5, row + 0.5};
-        complete &= id != SHB_ID_NONE;
-        if (id != SHB_ID_NONE && !has_walk_from(a, id))
-            a->walks[a->count++] = shb_walk_begin(&map->occluders.mesh, id, from, to);
+        a->samples[k] = inside ? shb_occluder_row(map, row)[column] : SHB_ID_NONE;
+        complete &= a->samples[k] != SHB_ID_NONE;
     }
     return complete;
+}
+
+static shb_walk walk_from(const asking *a, int k) {
+    const int32_t beside = a->x - a->column < 0.5 ? -1 : 1;
+    const int32_t above = a->y - a->row < 0.5 ? -1 : 1;
+    const double from[2] = {a->column + (k & 1 ? beside : 0) + 0.5,
+                            a->row + (k & 2 ? above : 0) + 0.5};
+    const double to[2] = {a->x, a->y};
+    return shb_walk_begin(&a->map->occluders.mesh, a->samples[k], from, to);
+}
+
+/* One walk for each triangle. */
+static void begin_walks(asking *a) {
+    a->count = 0;
+    for (int k = 0; k < 4; k++) {
+        bool is_new = a->samples[k] != SHB_ID_NONE;
+        for (int i = 0; i < k; i++)
+            is_new &= a->samples[i] != a->samples[k];
+        if (is_new)
+            a->walks[a->count++] = walk_from(a, k);
+    }
+}
+
+static bool are_joined(const shb_light_mesh *mesh, uint32_t triangle, uint32_t other) {
+    for (int k = 0; k < 3; k++)
+        if (shb_neighbour_of(mesh->topology->neighbours[triangle][k]) == other)
+            return shb_light_mesh_beyond(mesh, triangle, k) == other;
+    return false;
+}
+
+/* Most fragments: the nearest sample's sheet is their own, and the other samples see it, too, on
+ * triangles so near that their walks need not be made. */
+static hit ask_nearest(const asking *a) {
+    shb_walk walk = walk_from(a, 0);
+    const hit first = next_hit(a, &walk);
+    if (first != HIT_OWN || walk.turned)
+        return first == HIT_IN_FRONT ? HIT_IN_FRONT : HIT_NONE;
+    for (int k = 1; k < 4; k++)
+        if (a->samples[k] != a->samples[0] && a->samples[k] != walk.triangle &&
+            !are_joined(walk.mesh, walk.triangle, a->samples[k]))
+            return HIT_NONE;
+    return HIT_OWN;
 }
 
 /* The test of mutual planes with the nearest sample's triangle. */
@@ -100,7 +174,13 @@ static bool is_shadowed_by_planes(const asking *a) {
 }
 
 static bool is_shadowed(asking *a) {
-    bool is_plain = begin_walks(a), are_cut = is_plain, meets_own = false;
+    bool is_plain = read_samples(a), are_cut = is_plain, meets_own = false;
+    if (is_plain) {
+        const hit nearest = ask_nearest(a);
+        if (nearest != HIT_NONE)
+            return nearest == HIT_IN_FRONT;
+    }
+    begin_walks(a);
     for (int i = 0; i < a->count; i++) {
         const hit first = next_hit(a, &a->walks[i]);
         if (first == HIT_IN_FRONT)
@@ -116,25 +196,33 @@ static bool is_shadowed(asking *a) {
     return !meets_own && are_cut && is_shadowed_by_planes(a);
 }
 
-static bool is_inside(const shb_map *map, const shb_light_point *point) {
-    return point->w > 0 && point->x >= 0 && point->y >= 0 && point->x < map->info.width &&
-           point->y < map->info.height;
-}
-
 void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
                              const shb_receivers *receivers, float *visibility) {
+    const shb_list_frame *frame = &map->occluders.mesh.frame;
+    const shb_list_kernels *kernels = shb_list_kernels_of(map->context->isa);
     const double rounding = points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING;
+    const product_errors errors = product_errors_of(frame);
+    shb_list_group group;
     asking a = {.map = map, .receivers = receivers};
     for (size_t i = 0; i < points->count; i++) {
-        const double position[3] = {points->x[i], points->y[i], points->z[i]};
+        const size_t k = i % SHB_LIST_GROUP;
+        if (k == 0) {
+            group.world[0] = points->x + i;
+            group.world[1] = points->y + i;
+            group.world[2] = points->z + i;
+            kernels->locate(frame, &group);
+        }
         visibility[i] = 1;
+        if (group.column[k] < 0)
+            continue;
         a.number = i;
         a.own_id = points->own_ids[i];
-        a.point = shb_light_point_at(&map->rows, position, rounding);
-        if (!is_inside(map, &a.point))
-            continue;
-        a.column = (int32_t)a.point.x;
-        a.row = (int32_t)a.point.y;
+        a.x = group.x[k];
+        a.y = group.y[k];
+        a.z = group.depth[k];
+        a.column = group.column[k];
+        a.row = group.row[k];
+        bound_errors(&a, &group, k, rounding, &errors);
         visibility[i] = is_shadowed(&a) ? 0.0f : 1.0f;
     }
 }

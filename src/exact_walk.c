@@ -53,26 +53,35 @@ static double crossing_of(const shb_walk *walk, uint32_t a, uint32_t b) {
     return (at_a * along(walk, b) - at_b * along(walk, a)) / (at_a - at_b);
 }
 
-static bool covers(const shb_light_mesh *mesh, const uint32_t corners[3], shb_map_place at) {
-    const double area = side_of(mesh, corners[0], corners[1], place_of(mesh, corners[2]));
-    for (int k = 0; k < 3; k++)
-        if (!is_inside(side_of(mesh, corners[k], corners[(k + 1) % 3], at), area))
-            return false;
-    return true;
+/* Has the line gone too far from both places for what it meets to come back to them? */
+static bool is_lost(const shb_walk *walk, uint32_t a, uint32_t b) {
+    const double x = walk->to.x - walk->from.x, y = walk->to.y - walk->from.y;
+    const double squared = x * x + y * y, reach = SHB_WALK_REACH * sqrt(squared);
+    const double crossing = crossing_of(walk, a, b);
+    return crossing > reach || crossing < -(squared + reach);
 }
 
-/* Of the two edges that the line crosses the one that lies ahead. */
+static bool stop(shb_walk *walk, bool cut) {
+    walk->triangle = SHB_ID_NONE;
+    walk->cut = cut;
+    return false;
+}
+
+/* Of the two edges of the first triangle that the line crosses the one that lies ahead. */
 static bool choose_exit(shb_walk *walk) {
     const uint32_t *corners = walk->mesh->topology->corners[walk->triangle];
     double farthest = -HUGE_VAL;
     for (int k = 0; k < 3; k++) {
         const uint32_t a = corners[k], b = corners[(k + 1) % 3];
-        if (is_left(walk, a) == is_left(walk, b))
+        const bool is_left_of_it = is_left(walk, a);
+        if (is_left_of_it == is_left(walk, b))
             continue;
         const double crossing = crossing_of(walk, a, b);
         if (crossing > farthest) {
             farthest = crossing;
             walk->exit = k;
+            walk->exit_is_left = is_left_of_it;
+            walk->exit_side = side_of(walk->mesh, a, b, walk->to);
         }
     }
     return farthest > -HUGE_VAL;
@@ -84,25 +93,12 @@ static shb_map_place middle_of(const shb_light_mesh *mesh, const uint32_t corner
     return (shb_map_place){((a.x + b.x) + c.x) / 3, ((a.y + b.y) + c.y) / 3};
 }
 
-static bool stop(shb_walk *walk, bool cut) {
-    walk->triangle = SHB_ID_NONE;
-    walk->cut = cut;
-    return false;
-}
-
 /* Where snapping covered a sample just outside the triangle, its middle is a better start. */
 static bool leave_first(shb_walk *walk) {
-    const uint32_t *corners = walk->mesh->topology->corners[walk->triangle];
-    if (!choose_exit(walk)) {
-        walk->from = middle_of(walk->mesh, corners);
-        if (!choose_exit(walk))
-            return stop(walk, true);
-    }
-    const double x = walk->to.x - walk->from.x, y = walk->to.y - walk->from.y;
-    const double squared = x * x + y * y;
-    walk->farthest = SHB_WALK_REACH * sqrt(squared);
-    walk->nearest = -(squared + walk->farthest);
-    return true;
+    if (choose_exit(walk))
+        return true;
+    walk->from = middle_of(walk->mesh, walk->mesh->topology->corners[walk->triangle]);
+    return choose_exit(walk) || stop(walk, true);
 }
 
 static int corner_beside(const uint32_t corners[3], uint32_t a, uint32_t b) {
@@ -113,34 +109,54 @@ static int corner_beside(const uint32_t corners[3], uint32_t a, uint32_t b) {
 }
 
 /* Over the exit to the next triangle, whose own exit is found. False: the walk ends. */
-static bool step(shb_walk *walk, bool *covered) {
+static bool step(shb_walk *walk, bool *covers) {
     const shb_light_mesh *mesh = walk->mesh;
     const shb_topology *t = mesh->topology;
     const uint32_t *last = t->corners[walk->triangle];
     const uint32_t a = last[walk->exit], b = last[(walk->exit + 1) % 3];
-    const uint32_t before = last[(walk->exit + 2) % 3];
     const uint32_t neighbour = t->neighbours[walk->triangle][walk->exit];
     if (neighbour >= SHB_TWIN || walk->steps++ == SHB_WALK_MAX)
         return stop(walk, true);
-    const double crossing = crossing_of(walk, a, b);
-    if (crossing < walk->nearest || crossing > walk->farthest)
+    if ((walk->turned || walk->passed) && is_lost(walk, a, b))
         return stop(walk, false);
-    walk->triangle = shb_neighbour_of(neighbour);
-    const uint32_t *corners = t->corners[walk->triangle];
+    const uint32_t next = shb_neighbour_of(neighbour);
+    const uint32_t *corners = t->corners[next];
     const int k = corner_beside(corners, a, b);
     if (k < 0 || !is_seen(mesh, corners[k]))
         return stop(walk, true);
     const uint32_t third = corners[k];
     const double area = side_of(mesh, a, b, place_of(mesh, third));
-    const bool leaves_by_a = is_left(walk, a) != is_left(walk, third);
-    const uint32_t kept = leaves_by_a ? a : b;
-    walk->exit = corners[(k + 1) % 3] == kept ? k : (k + 2) % 3;
-    walk->turned |= !is_inside(-side_of(mesh, a, b, place_of(mesh, before)), area);
+    walk->turned |= !is_inside(-walk->area, area);
     if (walk->turned && walk->straight)
         return stop(walk, false);
-    const double exit_side =
+    const bool third_is_left = is_left(walk, third);
+    const bool leaves_by_a = third_is_left != walk->exit_is_left;
+    const uint32_t kept = leaves_by_a ? a : b;
+    const double side =
         leaves_by_a ? side_of(mesh, third, a, walk->to) : side_of(mesh, b, third, walk->to);
-    *covered = is_inside(side_of(mesh, a, b, walk->to), area) && is_inside(exit_side, area);
+    *covers = is_inside(walk->exit_side, area) && is_inside(side, area);
+    walk->passed |= *covers;
+    const bool is_alike = corners[(k + 1) % 3] == a; /* as the edge is run along by the last one */
+    const bool begins_at_third = corners[(k + 1) % 3] == kept;
+    walk->triangle = next;
+    walk->exit = begins_at_third ? k : (k + 2) % 3;
+    walk->exit_is_left = begins_at_third == third_is_left;
+    walk->exit_side = is_alike ? side : -side;
+    walk->area = is_alike ? area : -area;
+    return true;
+}
+
+/* The first triangle; false: the walk ends there. */
+static bool enter(shb_walk *walk, bool *covers) {
+    const shb_light_mesh *mesh = walk->mesh;
+    const uint32_t *corners = mesh->topology->corners[walk->triangle];
+    *covers = true;
+    walk->steps = 1;
+    if (!is_seen(mesh, corners[0]) || !is_seen(mesh, corners[1]) || !is_seen(mesh, corners[2]))
+        return stop(walk, true);
+    walk->area = side_of(mesh, corners[0], corners[1], place_of(mesh, corners[2]));
+    for (int k = 0; k < 3 && *covers; k++)
+        *covers = is_inside(side_of(mesh, corners[k], corners[(k + 1) % 3], walk->to), walk->area);
     return true;
 }
 
@@ -154,23 +170,14 @@ shb_walk shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const dou
 }
 
 uint32_t shb_walk_next(shb_walk *walk) {
-    if (walk->triangle == SHB_ID_NONE)
-        return SHB_ID_NONE;
-    if (walk->steps == 0) {
-        const uint32_t *corners = walk->mesh->topology->corners[walk->triangle];
-        walk->steps = 1;
-        for (int k = 0; k < 3; k++)
-            if (!is_seen(walk->mesh, corners[k])) {
-                stop(walk, true);
-                return SHB_ID_NONE;
-            }
-        if (covers(walk->mesh, corners, walk->to))
-            return walk->triangle;
-    }
+    bool met = false;
+    if (walk->triangle != SHB_ID_NONE && walk->steps == 0)
+        met = enter(walk, &walk->passed) && walk->passed;
+    if (met || walk->triangle == SHB_ID_NONE)
+        return walk->triangle;
     if (walk->exit < 0 && !leave_first(walk))
         return SHB_ID_NONE;
-    bool covered = false;
-    while (!covered && step(walk, &covered))
+    while (!met && step(walk, &met))
         ;
     return walk->triangle;
 }

@@ -24,15 +24,18 @@ typedef struct shb_walk {
     const shb_light_mesh *mesh;
     shb_map_place from, to;
     uint32_t triangle; /* the latest; SHB_ID_NONE: the walk has ended */
-    int exit;          /* the edge that it leaves by, from this corner to the next */
+    int exit;          /* the edge that it leaves by, from this corner to the next; -1: not yet */
+    bool exit_is_left; /* is the exit's first corner on the left of the line? */
+    double exit_side;  /* where to lies to the exit */
+    double area;       /* of the triangle, with the sign of its winding */
     int steps;
     bool straight; /* it ends where the mesh turns round */
     bool turned;   /* the mesh has turned round on the way, or may have: a triangle lies on the same
                       side of the edge that leads to it as the one before, told by places whatever
                       the winding, or is seen edge-on */
+    bool passed;   /* it has met a triangle that covers to */
     bool cut;      /* it ended where no single triangle goes on, or at the light's near plane, or
                       was too long */
-    double nearest, farthest; /* how far the line is followed behind and ahead of to, as along */
 } shb_walk;
 
 /* A walk from a triangle that is seen at from, or nearly so, in the direction of to. */
