@@ -196,6 +196,25 @@ static bool is_shadowed(asking *a) {
     return !meets_own && are_cut && is_shadowed_by_planes(a);
 }
 
+/* What the first walks read is asked for before any of it is: a group's triangles come from all
+ * over the memory. */
+static void fetch_triangles(const shb_map *map, const shb_list_group *g, size_t count) {
+    const shb_topology *t = &map->occluders.topology;
+    uint32_t ids[SHB_LIST_GROUP];
+    for (size_t k = 0; k < count; k++) {
+        const bool inside = g->column[k] >= 0;
+        ids[k] = inside ? shb_occluder_row(map, g->row[k])[g->column[k]] : SHB_ID_NONE;
+        if (ids[k] == SHB_ID_NONE)
+            continue;
+        __builtin_prefetch(t->corners[ids[k]]);
+        __builtin_prefetch(t->neighbours[ids[k]]);
+        __builtin_prefetch(&map->occluders.planes[ids[k]]);
+    }
+    for (size_t k = 0; k < count; k++)
+        for (int i = 0; i < 3 && ids[k] != SHB_ID_NONE; i++)
+            __builtin_prefetch(&map->occluders.mesh.vertices[t->corners[ids[k]][i]]);
+}
+
 void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
                              const shb_receivers *receivers, float *visibility) {
     const shb_list_frame *frame = &map->occluders.mesh.frame;
@@ -205,12 +224,13 @@ void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
     shb_list_group group;
     asking a = {.map = map, .receivers = receivers};
     for (size_t i = 0; i < points->count; i++) {
-        const size_t k = i % SHB_LIST_GROUP;
+        const size_t k = i % SHB_LIST_GROUP, left = points->count - i;
         if (k == 0) {
             group.world[0] = points->x + i;
             group.world[1] = points->y + i;
             group.world[2] = points->z + i;
             kernels->locate(frame, &group);
+            fetch_triangles(map, &group, left < SHB_LIST_GROUP ? left : SHB_LIST_GROUP);
         }
         visibility[i] = 1;
         if (group.column[k] < 0)

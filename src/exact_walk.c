@@ -67,24 +67,40 @@ static bool stop(shb_walk *walk, bool cut) {
     return false;
 }
 
-/* Of the two edges of the first triangle that the line crosses the one that lies ahead. */
+static void leave_by(shb_walk *walk, int k, bool is_left_of_it, double side) {
+    walk->exit = k;
+    walk->exit_is_left = is_left_of_it;
+    walk->exit_side = side;
+}
+
+/* Of the two edges of the first triangle that the line crosses the one that lies ahead: the only
+ * one that to lies beyond, or else the one that is crossed farther ahead. */
 static bool choose_exit(shb_walk *walk) {
-    const uint32_t *corners = walk->mesh->topology->corners[walk->triangle];
+    const shb_light_mesh *mesh = walk->mesh;
+    const uint32_t *corners = mesh->topology->corners[walk->triangle];
+    bool left[3];
+    int beyond = 0;
     double farthest = -HUGE_VAL;
+    for (int k = 0; k < 3; k++)
+        left[k] = is_left(walk, corners[k]);
     for (int k = 0; k < 3; k++) {
+        const double side = side_of(mesh, corners[k], corners[(k + 1) % 3], walk->to);
+        if (left[k] == left[(k + 1) % 3] || is_inside(side, walk->area))
+            continue;
+        leave_by(walk, k, left[k], side);
+        beyond++;
+    }
+    for (int k = 0; k < 3 && beyond != 1; k++) {
         const uint32_t a = corners[k], b = corners[(k + 1) % 3];
-        const bool is_left_of_it = is_left(walk, a);
-        if (is_left_of_it == is_left(walk, b))
+        if (left[k] == left[(k + 1) % 3])
             continue;
         const double crossing = crossing_of(walk, a, b);
         if (crossing > farthest) {
             farthest = crossing;
-            walk->exit = k;
-            walk->exit_is_left = is_left_of_it;
-            walk->exit_side = side_of(walk->mesh, a, b, walk->to);
+            leave_by(walk, k, left[k], side_of(mesh, a, b, walk->to));
         }
     }
-    return farthest > -HUGE_VAL;
+    return walk->exit >= 0;
 }
 
 static shb_map_place middle_of(const shb_light_mesh *mesh, const uint32_t corners[3]) {
