@@ -157,46 +157,6 @@ static shb_vec3 world_position(const shb_mesh *mesh, const shb_mat4 *transform, 
     return mat4_transform_point(transform, (shb_vec3){(double)p[0], (double)p[1], (double)p[2]});
 }
 
-static void grow(shb_box *box, shb_vec3 p) {
-    box->lo.x = p.x < box->lo.x ? p.x : box->lo.x;
-    box->lo.y = p.y < box->lo.y ? p.y : box->lo.y;
-    box->lo.z = p.z < box->lo.z ? p.z : box->lo.z;
-    box->hi.x = p.x > box->hi.x ? p.x : box->hi.x;
-    box->hi.y = p.y > box->hi.y ? p.y : box->hi.y;
-    box->hi.z = p.z > box->hi.z ? p.z : box->hi.z;
-}
-
-static bool grow_by_instance(shb_box *box, const shb_instance *instance) {
-    const shb_mesh *mesh = instance->mesh;
-    const shb_mat4 transform = shb_instance_transform(instance);
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        uint32_t vertices[3];
-        if (!get_triangle(mesh, i, vertices))
-            return false;
-        for (int corner = 0; corner < 3; corner++) {
-            const shb_vec3 p = world_position(mesh, &transform, vertices[corner]);
-            if (vec3_is_finite(p))
-                grow(box, p);
-        }
-    }
-    return true;
-}
-
-shb_result shb_scene_bounds(const shb_scene *scene, shb_box *bounds) {
-    const char *reason;
-    const shb_result result = shb_scene_check(scene, &reason);
-    if (result)
-        return result;
-    if (!bounds)
-        return SHB_ERROR_ARGUMENT;
-    shb_box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-    for (size_t i = 0; i < scene->instance_count; i++)
-        if (!grow_by_instance(&box, &scene->instances[i]))
-            return SHB_ERROR_ARGUMENT;
-    *bounds = box;
-    return SHB_OK;
-}
-
 size_t shb_scene_instance_of(const shb_scene *scene, uint32_t id, uint32_t *first) {
     size_t instance = 0;
     *first = 0;

@@ -138,6 +138,37 @@ TEST(scene_bounds_hold_what_triangles_use) {
     CHECK_INT(shb_scene_bounds(&scene, NULL), SHB_ERROR_ARGUMENT);
 }
 
+TEST(scene_bounds_of_many_triangles_hold_what_they_use) {
+    /* A fan of 100 triangles about vertex 0; the last vertex is used by none at first. */
+    enum { TRIANGLES = 100 };
+    float vertices[3 * (TRIANGLES + 3)] = {0};
+    uint32_t indices[3 * TRIANGLES];
+    for (uint32_t i = 0; i < TRIANGLES + 3; i++)
+        for (uint32_t k = 0; k < 3; k++)
+            vertices[3 * i + k] = (float)(k == 1 ? -(int)i : (int)i);
+    for (uint32_t i = 0; i < TRIANGLES; i++) {
+        indices[3 * i] = 0;
+        indices[3 * i + 1] = i + 1;
+        indices[3 * i + 2] = i + 2;
+    }
+    const shb_mesh mesh = {.positions = vertices,
+                           .vertex_count = TRIANGLES + 3,
+                           .indices = indices,
+                           .triangle_count = TRIANGLES};
+    const shb_instance instance = {.mesh = &mesh};
+    const shb_scene scene = scene_of(&instance, 1);
+    shb_box box;
+    CHECK_INT(shb_scene_bounds(&scene, &box), SHB_OK);
+    check_point(box.lo, 0, -101, 0);
+    check_point(box.hi, 101, 0, 101);
+    indices[3 * TRIANGLES - 2] = TRIANGLES + 2;
+    CHECK_INT(shb_scene_bounds(&scene, &box), SHB_OK);
+    check_point(box.lo, 0, -102, 0);
+    check_point(box.hi, 102, 0, 102);
+    indices[3 * TRIANGLES - 2] = TRIANGLES + 3;
+    CHECK_INT(shb_scene_bounds(&scene, &box), SHB_ERROR_ARGUMENT);
+}
+
 TEST(scene_bounds_skip_vertices_that_are_not_finite) {
     const float vertices[] = {1,  1,         NAN, INFINITY, 2, 2, 3, 4, 5,
                               -1, -INFINITY, 0,   2,        9, 1, 0, 0, 6};
