@@ -37,7 +37,7 @@ typedef struct shb_lists {
     uint32_t width, height; /* texels */
     uint32_t tile_columns, tile_rows;
     shb_list_tile *tiles;
-    shb_list_cell *cells;    /* of each tile row by row, and one for the end */
+    shb_list_cell *cells;    /* of each tile block by block, and one for the end */
     shb_list_entry *entries; /* of each cell front to back by the levels of their triangles */
     /* by id */
     shb_list_triangle *triangles; /* of those that have entries */
@@ -83,9 +83,11 @@ void shb_lists_query(const shb_lists *lists, const shb_list_points *points, floa
 /* The number of the cell that holds a texel of a tile; column and row count from the tile's first
  * one. */
 static inline size_t shb_list_cell_of(const shb_list_tile *tile, uint32_t column, uint32_t row) {
-    const int bits = tile->cell_bits;
-    return tile->first_cell + ((size_t)(row >> bits) << (SHB_LIST_TILE_BITS - bits)) +
-           (column >> bits);
+    const uint32_t x = column >> tile->cell_bits, y = row >> tile->cell_bits;
+    const uint32_t blocks = SHB_LIST_BLOCKS >> tile->cell_bits;
+    const uint32_t block = y / SHB_LIST_BLOCK * blocks + x / SHB_LIST_BLOCK;
+    return tile->first_cell + (size_t)block * SHB_LIST_LANES + y % SHB_LIST_BLOCK * SHB_LIST_BLOCK +
+           x % SHB_LIST_BLOCK;
 }
 
 /* The world corners of a triangle. */

@@ -42,8 +42,11 @@ static double drift(const shb_list_frame *frame, const double row[4]) {
 
 shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t height,
                                shb_list_frame *frame) {
-    shb_list_frame made = {
-        .near_depth = view->reversed ? -1 : 0, .width = width, .height = height, .levels = 1};
+    shb_list_frame made = {.near_depth = view->reversed ? -1 : 0,
+                           .width = width,
+                           .height = height,
+                           .levels = 1,
+                           .level_size = 1};
     const shb_result result = shb_view_light_source(view, &made.light);
     if (result)
         return result;
@@ -97,4 +100,5 @@ void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_exte
     const double range = all.farthest - all.nearest;
     frame->level_origin = range > 0 ? all.nearest : frame->near_depth;
     frame->levels = SHB_LIST_LEVELS / (range > 0x1p-500 && range < 0x1p500 ? range : 1);
+    frame->level_size = 1 / frame->levels;
 }

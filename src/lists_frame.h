@@ -13,8 +13,8 @@ typedef struct shb_list_frame {
     double reach;     /* the largest coordinate of the scene */
     double errors[4]; /* bounds of the rounding of the rows' products, and of rays' drift */
     /* Depths are put in order by their level: (depth - level_origin) * levels, cut off at 0 and
-     * SHB_LIST_LEVELS - 1. */
-    double level_origin, levels;
+     * SHB_LIST_LEVELS - 1; level_size = 1 / levels. */
+    double level_origin, levels, level_size;
 } shb_list_frame;
 
 #define SHB_LIST_LEVELS 65536
@@ -46,7 +46,7 @@ static inline double shb_list_row(const double row[4], double x, double y, doubl
 
 /* A bound of the depths of a level: grows with it, and is not above any of them. */
 static inline double shb_list_level_depth(const shb_list_frame *frame, double level) {
-    const double depth = frame->level_origin + (level - 1) / frame->levels;
+    const double depth = frame->level_origin + (level - 1) * frame->level_size;
     return depth - 0x1p-22 * (depth < 0 ? -depth : depth);
 }
 

@@ -3,6 +3,7 @@
 #include "lists_load.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "clip.h"
 #include "scene.h"
@@ -92,22 +93,6 @@ void shb_list_load_vertices(const shb_list_loading *loading) {
     shb_list_frame_fit(&loading->lists->frame, runs, loading->extents);
 }
 
-/* False: the triangle is not for the kernel. */
-static bool put_corners(const shb_list_loading *loading, const uint32_t corners[3], uint32_t lane,
-                        shb_list_corners *out) {
-    const double least = 0x1p-4 / loading->lists->frame.errors[3];
-    bool whole = true;
-    for (int k = 0; k < 3; k++) {
-        const shb_list_vertex *vertex = &loading->vertices[corners[k]];
-        out->x[k][lane] = vertex->x;
-        out->y[k][lane] = vertex->y;
-        out->z[k][lane] = vertex->z;
-        out->inverse_w[k][lane] = vertex->inverse_w;
-        whole &= (vertex->inverse_w > 0) & (vertex->inverse_w < least);
-    }
-    return whole;
-}
-
 /* One that is not finite has no box; the plane of others is found by itself. */
 static void prepare_alone(const shb_lists *lists, const shb_list_vertex *vertices, uint32_t id,
                           shb_list_box *box) {
@@ -124,22 +109,24 @@ static void prepare_alone(const shb_lists *lists, const shb_list_vertex *vertice
 static void prepare_lanes(const shb_list_loading *loading, uint32_t id, uint32_t count,
                           shb_list_box *boxes) {
     const shb_lists *lists = loading->lists;
-    shb_list_corners corners;
+    const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
+    const uint32_t *corners[SHB_LIST_LANES];
     shb_list_triangle made[SHB_LIST_LANES];
     shb_list_box made_boxes[SHB_LIST_LANES];
-    uint32_t alone = 0;
-    for (uint32_t lane = 0; lane < SHB_LIST_LANES; lane++) {
-        const uint32_t at = lane < count ? lane : count - 1;
-        if (!put_corners(loading, lists->corners[id + at], lane, &corners))
-            alone |= 1u << lane;
+    const bool whole = count == SHB_LIST_LANES;
+    for (uint32_t lane = 0; lane < SHB_LIST_LANES; lane++)
+        corners[lane] = lists->corners[id + (lane < count ? lane : count - 1)];
+    uint32_t alone =
+        kernels->prepare(&lists->frame, loading->vertices, corners,
+                         whole ? lists->triangles + id : made, whole ? boxes + id : made_boxes);
+    if (!whole) {
+        memcpy(lists->triangles + id, made, count * sizeof *made);
+        memcpy(boxes + id, made_boxes, count * sizeof *made_boxes);
+        alone &= (1u << count) - 1;
     }
-    const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
-    kernels->prepare(&lists->frame, &corners, made, made_boxes);
-    for (uint32_t lane = 0; lane < count; lane++) {
-        lists->triangles[id + lane] = made[lane];
-        boxes[id + lane] = made_boxes[lane];
-        if (alone >> lane & 1)
-            prepare_alone(lists, loading->vertices, id + lane, &boxes[id + lane]);
+    for (; alone; alone &= alone - 1) {
+        const uint32_t other = id + (uint32_t)__builtin_ctz(alone);
+        prepare_alone(lists, loading->vertices, other, &boxes[other]);
     }
 }
 

@@ -20,7 +20,6 @@ enum {
     SHB_LIST_COVERS, /* a tile for each lane */
     SHB_LIST_KEYS,
     SHB_LIST_UNSORTED, /* entries before they are sorted by cell */
-    SHB_LIST_UNSORTED_CELLS,
     SHB_LIST_BUFFERS
 };
 

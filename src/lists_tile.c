@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 #include "lists_scratch.h"
 
@@ -11,7 +12,7 @@
 enum { CELLS_PER_TRIANGLE = 1 };
 
 /* Room for entries that does for nearly every tile; where it does not, cells are larger. */
-enum { ENTRIES = 1 << 17 };
+enum { ENTRIES = (1 << 17) + 320 }; /* no multiple of a page, so that arrays do not collide */
 
 enum { DIGIT_BITS = 8, BUCKETS = 1 << DIGIT_BITS };
 
@@ -78,33 +79,34 @@ static void sort_triangles(const tile_job *job, size_t tile, uint64_t *keys) {
     sort_pass(spare, keys, count, 32 + DIGIT_BITS);
 }
 
-/* From the number of a cell row by row to that block by block. */
-static size_t cell_in_blocks(size_t cell, int cell_bits) {
-    const int row_bits = SHB_LIST_TILE_BITS - cell_bits;
-    const size_t row = cell >> row_bits, column = cell & (((size_t)1 << row_bits) - 1);
-    const size_t block = (row / SHB_LIST_BLOCK << (row_bits - 2)) + column / SHB_LIST_BLOCK;
-    return block * SHB_LIST_LANES + row % SHB_LIST_BLOCK * SHB_LIST_BLOCK + column % SHB_LIST_BLOCK;
+static void clear_cells(shb_list_cover *cover, int cell_bits) {
+    cover->cell_bits = cell_bits;
+    cover->entries.count = 0;
+    for (size_t i = 0; i < cells_of(cell_bits) / SHB_LIST_LANES; i++)
+        for (size_t lane = 0; lane < SHB_LIST_LANES; lane++) {
+            cover->blocks[i].far[lane] = HUGE_VALF;
+            cover->blocks[i].counts[lane] = 0;
+        }
 }
 
 /* Entries from the order of triangles to that of cells. */
 static void write_entries(const shb_lists *lists, const shb_list_tile *tile,
                           const shb_list_cover *cover) {
     const size_t count = cells_of(tile->cell_bits);
-    uint32_t counts[SHB_LIST_TILE * SHB_LIST_TILE] = {0}, next[SHB_LIST_TILE * SHB_LIST_TILE];
-    for (size_t i = 0; i < cover->entry_count; i++)
-        counts[cover->cells[i]]++;
+    const shb_list_unsorted *made = &cover->entries;
+    uint32_t next[SHB_LIST_TILE * SHB_LIST_TILE];
     shb_list_cell *cells = lists->cells + tile->first_cell;
     uint32_t sum = 0;
     for (size_t i = 0; i < count; i++) {
-        const size_t from = cell_in_blocks(i, tile->cell_bits);
-        cells[i] = (shb_list_cell){sum, cover->far[from]};
-        next[from] = sum;
-        sum += counts[from];
+        const shb_list_block *block = &cover->blocks[i / SHB_LIST_LANES];
+        cells[i] = (shb_list_cell){sum, block->far[i % SHB_LIST_LANES]};
+        next[i] = sum;
+        sum += (uint32_t)block->counts[i % SHB_LIST_LANES];
     }
     cells[count] = (shb_list_cell){.start = sum};
     shb_list_entry *entries = lists->entries + tile->first_entry;
-    for (size_t i = 0; i < cover->entry_count; i++)
-        entries[next[cover->cells[i]]++] = cover->entries[i];
+    for (size_t i = 0; i < made->count; i++)
+        entries[next[made->cells[i]]++] = (shb_list_entry){made->triangles[i], made->begins[i]};
 }
 
 static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *keys) {
@@ -117,16 +119,11 @@ static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint6
     shb_list_bin(job->bins, number, &cover->count);
     cover->column = (uint32_t)(number % lists->tile_columns) * SHB_LIST_TILE;
     cover->row = (uint32_t)(number / lists->tile_columns) * SHB_LIST_TILE;
-    for (;; tile->cell_bits++) {
-        const size_t cells = cells_of(tile->cell_bits);
-        cover->cell_bits = tile->cell_bits;
-        for (size_t i = 0; i < cells; i++)
-            cover->far[i] = HUGE_VALF;
-        if (shb_list_kernels_of(lists->context->isa)->cover(cover))
-            break;
-    }
-    tile->first_entry = atomic_fetch_add(&job->next_entry, cover->entry_count);
-    if (tile->first_entry <= job->room && cover->entry_count <= job->room - tile->first_entry)
+    const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
+    for (clear_cells(cover, tile->cell_bits); !kernels->cover(cover);)
+        clear_cells(cover, ++tile->cell_bits);
+    tile->first_entry = atomic_fetch_add(&job->next_entry, cover->entries.count);
+    if (tile->first_entry <= job->room && cover->entries.count <= job->room - tile->first_entry)
         write_entries(lists, tile, cover);
 }
 
@@ -147,9 +144,7 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
     if (!shb_buffer_reserve(context, &scratch[SHB_LIST_COVERS], lanes, sizeof(shb_list_cover)) ||
         !shb_buffer_reserve(context, &scratch[SHB_LIST_KEYS], lanes * 2,
                             (bins->largest + 1) * sizeof(uint64_t)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED], lanes,
-                            room_of_lane * sizeof(shb_list_entry)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED_CELLS], lanes,
+        !shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED], lanes * 3,
                             room_of_lane * sizeof(uint32_t)))
         return false;
     tile_job job = {.lists = lists,
@@ -161,10 +156,13 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
         job.covers[i].triangles = lists->triangles;
         job.covers[i].frame = &lists->frame;
         job.covers[i].boxes = bins->boxes;
-        job.covers[i].entries =
-            (shb_list_entry *)scratch[SHB_LIST_UNSORTED].data + i * room_of_lane;
-        job.covers[i].cells = (uint32_t *)scratch[SHB_LIST_UNSORTED_CELLS].data + i * room_of_lane;
-        job.covers[i].entry_capacity = room_of_lane;
+        uint32_t *memory = (uint32_t *)scratch[SHB_LIST_UNSORTED].data + 3 * i * room_of_lane;
+        job.covers[i].entries = (shb_list_unsorted){
+            .triangles = memory,
+            .cells = memory + room_of_lane,
+            .begins = (float *)(memory + 2 * room_of_lane),
+            .capacity = room_of_lane,
+        };
     }
     atomic_init(&job.next_tile, 0);
     atomic_init(&job.next_entry, 0);

@@ -41,6 +41,35 @@ static inline float list_maxf(float a, float b) {
     return a > b ? a : b;
 }
 
+/* Corners from vertices, two lanes at a time. */
+static inline void gather_corners(const shb_list_vertex *vertices,
+                                  const uint32_t *const corners[LIST_LANES],
+                                  shb_list_corners *restrict out) {
+    typedef double list_pair __attribute__((vector_size(16), may_alias));
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < LIST_LANES; i += 2) {
+            const list_pair *a = (const list_pair *)&vertices[corners[i][k]];
+            const list_pair *b = (const list_pair *)&vertices[corners[i + 1][k]];
+            *(list_pair *)&out->x[k][i] = __builtin_shufflevector(a[0], b[0], 0, 2);
+            *(list_pair *)&out->y[k][i] = __builtin_shufflevector(a[0], b[0], 1, 3);
+            *(list_pair *)&out->z[k][i] = __builtin_shufflevector(a[1], b[1], 0, 2);
+            *(list_pair *)&out->inverse_w[k][i] = __builtin_shufflevector(a[1], b[1], 1, 3);
+        }
+}
+
+/* Lanes with a corner in front of the near plane or too near to the light's own. */
+static uint32_t find_cut(const shb_list_frame *frame, const shb_list_corners *restrict c) {
+    const wd least = wd_splat(0x1p-4 / frame->errors[3]), none = wd_splat(0);
+    uint32_t cut = 0;
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < LIST_LANES; i += DOUBLES) {
+            const wd inverse = wd_load(c->inverse_w[k] + i);
+            const uint32_t whole = wd_greater_bits(inverse, none) & wd_greater_bits(least, inverse);
+            cut |= (~whole & ((1u << DOUBLES) - 1)) << i;
+        }
+    return cut;
+}
+
 /* The results of prepare, lane by lane. */
 typedef struct prepared {
     SHB_ALIGN double plane[3][LIST_LANES];
@@ -151,13 +180,16 @@ static void prepare_planes(const shb_list_frame *frame, const shb_list_corners *
     }
 }
 
-static void prepare_triangles(const shb_list_frame *frame, const shb_list_corners *corners,
-                              shb_list_triangle triangles[LIST_LANES],
-                              shb_list_box boxes[LIST_LANES]) {
+static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_vertex *vertices,
+                                  const uint32_t *const corners[LIST_LANES],
+                                  shb_list_triangle triangles[LIST_LANES],
+                                  shb_list_box boxes[LIST_LANES]) {
+    shb_list_corners c;
     list_spread spread;
     prepared made;
-    bound_triangles(frame, corners, &spread, &made);
-    prepare_planes(frame, corners, &spread, &made);
+    gather_corners(vertices, corners, &c);
+    bound_triangles(frame, &c, &spread, &made);
+    prepare_planes(frame, &c, &spread, &made);
     for (int i = 0; i < LIST_LANES; i++) {
         triangles[i] = (shb_list_triangle){
             .plane = {made.plane[0][i], made.plane[1][i], made.plane[2][i]},
@@ -172,6 +204,7 @@ static void prepare_triangles(const shb_list_frame *frame, const shb_list_corner
                                   (uint16_t)made.last_column[i], (uint16_t)made.last_row[i],
                                   (uint16_t)made.level[i]};
     }
+    return find_cut(frame, &c);
 }
 
 /* Linear functions over a tile, from its corner: the weights at the best corner of a cell, which
@@ -183,7 +216,8 @@ typedef struct cell_functions {
     float nearest;
 } cell_functions;
 
-static inline cell_functions cell_functions_of(const shb_list_cover *cover, uint32_t number) {
+static inline cell_functions cell_functions_of(const shb_list_cover *cover, uint32_t number,
+                                               float nearest) {
     const shb_list_triangle *t = &cover->triangles[number];
     const float column = (float)cover->column, row = (float)cover->row;
     const float size = (float)(1 << cover->cell_bits);
@@ -207,62 +241,8 @@ static inline cell_functions cell_functions_of(const shb_list_cover *cover, uint
     f.slope_y = y;
     f.begin = z + size * (list_minf(x, 0) + list_minf(y, 0)) - rounding - t->bound;
     f.end = z + size * (list_maxf(x, 0) + list_maxf(y, 0)) + rounding + t->clear;
-    f.nearest = (float)shb_list_level_depth(cover->frame, (double)cover->boxes[number].level);
+    f.nearest = nearest;
     return f;
-}
-
-/* The cells of a block that a triangle goes into, one bit each, and the least depth of the triangle
- * in each; x, y: the block's corner. */
-static inline uint32_t cover_block(const cell_functions *f, float x, float y,
-                                   const float *restrict lane_x, const float *restrict lane_y,
-                                   float *restrict far, float *restrict begins) {
-    uint32_t bits = 0;
-    for (int i = 0; i < LIST_LANES; i += WIDE) {
-        const vf at_x = x + vf_load(lane_x + i), at_y = y + vf_load(lane_y + i);
-        const vf u = (f->x[0] * at_x + f->y[0] * at_y) + f->best[0];
-        const vf v = (f->x[1] * at_x + f->y[1] * at_y) + f->best[1];
-        const vf w = (f->x[2] * at_x + f->y[2] * at_y) + f->best[2];
-        const vf depth = f->slope_x * at_x + f->slope_y * at_y;
-        const vf begin = vf_max(depth + f->begin, vf_splat(f->nearest)), end = depth + f->end;
-        const vf before = vf_load(far + i);
-        const vf most = vf_min(vf_min(u, v), w);
-        const vf least = vf_min(vf_min(u + f->worst[0], v + f->worst[1]), w + f->worst[2]);
-        bits |= vi_bits((most >= 0) & (begin <= before)) << i;
-        vf_store(begins + i, begin);
-        vf_store(far + i, vf_where((least >= 0) & (end < before), end, before));
-    }
-    return bits;
-}
-
-/* Appends entries of a block's cells; the room for all of them is there. Returns how many. */
-static inline size_t append_entries(uint32_t number, uint32_t cell, uint32_t bits,
-                                    const float *begins, shb_list_entry *entries, uint32_t *cells) {
-#if WIDE == 16
-    const __m512i id = _mm512_set1_epi64(number);
-    const __m512i depths = _mm512_loadu_si512(begins);
-    const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const __m512i low = _mm512_cvtepu32_epi64(_mm512_castsi512_si256(depths));
-    const __m512i high = _mm512_cvtepu32_epi64(_mm512_extracti64x4_epi64(depths, 1));
-    const size_t half = (size_t)__builtin_popcount(bits & 0xff);
-    _mm512_storeu_si512(
-        entries, _mm512_maskz_compress_epi64((__mmask8)bits,
-                                             _mm512_or_si512(_mm512_slli_epi64(low, 32), id)));
-    _mm512_storeu_si512(entries + half, _mm512_maskz_compress_epi64(
-                                            (__mmask8)(bits >> 8),
-                                            _mm512_or_si512(_mm512_slli_epi64(high, 32), id)));
-    _mm512_storeu_si512(
-        cells, _mm512_maskz_compress_epi32(
-                   (__mmask16)bits, _mm512_add_epi32(lanes, _mm512_set1_epi32((int32_t)cell))));
-    return (size_t)__builtin_popcount(bits);
-#else
-    size_t count = 0;
-    for (; bits; bits &= bits - 1) {
-        const uint32_t lane = (uint32_t)__builtin_ctz(bits);
-        entries[count] = (shb_list_entry){number, begins[lane]};
-        cells[count++] = cell + lane;
-    }
-    return count;
-#endif
 }
 
 static inline uint32_t first_block(uint32_t texel, uint32_t tile, int bits) {
@@ -274,45 +254,166 @@ static inline uint32_t last_block(uint32_t texel, uint32_t tile, int bits) {
     return (last < SHB_LIST_TILE ? last : SHB_LIST_TILE - 1) >> bits;
 }
 
-/* Triangles that are fetched before they are used. */
-enum { LIST_AHEAD = 8 };
-
-static inline void fetch_triangle(const shb_list_cover *cover, uint32_t number) {
-    __builtin_prefetch(&cover->triangles[number]);
+/* Blocks of a row that have cells which do not hide a depth, one bit each. */
+static inline uint32_t open_blocks(const shb_list_cover *cover, uint32_t row, float depth) {
+    const float *farthest = cover->farthest + (size_t)row * SHB_LIST_BLOCKS;
+    uint32_t hidden = 0;
+    for (int i = 0; i < SHB_LIST_BLOCKS; i += WIDE)
+        hidden |= vi_bits(depth > vf_load(farthest + i)) << i;
+    return ~hidden;
 }
 
-static bool cover_cells(shb_list_cover *cover) {
-    const int block_bits = cover->cell_bits + 2; /* texels of a block's side */
-    const uint32_t blocks = SHB_LIST_TILE >> block_bits;
-    float lane_x[LIST_LANES], lane_y[LIST_LANES];
+static inline float largest_of_block(const float *values) {
+#if WIDE == 16
+    return _mm512_reduce_max_ps(_mm512_loadu_ps(values));
+#else
+    vf most = vf_load(values);
+    for (int i = WIDE; i < LIST_LANES; i += WIDE)
+        most = vf_max(most, vf_load(values + i));
+    float largest = most[0];
+    for (int i = 1; i < WIDE; i++)
+        largest = list_maxf(largest, most[i]);
+    return largest;
+#endif
+}
+
+/* The cells of a block that a triangle goes into, one bit each, and the least depth of the triangle
+ * in each. */
+static inline uint32_t cover_block(const shb_list_cover *cover, const cell_functions *f,
+                                   uint32_t column, uint32_t row, shb_list_block *block,
+                                   float begins[LIST_LANES]) {
+    static const SHB_ALIGN float lane_x[LIST_LANES] = {0, 1, 2, 3, 0, 1, 2, 3,
+                                                       0, 1, 2, 3, 0, 1, 2, 3};
+    static const SHB_ALIGN float lane_y[LIST_LANES] = {0, 0, 0, 0, 1, 1, 1, 1,
+                                                       2, 2, 2, 2, 3, 3, 3, 3};
+    const float left = (float)(int32_t)(column << (cover->cell_bits + 2));
+    const float top = (float)(int32_t)(row << (cover->cell_bits + 2));
+    const float size = (float)(1 << cover->cell_bits);
+    float *far = block->far;
+    int32_t *counts = block->counts;
+    uint32_t bits = 0;
+    for (int i = 0; i < LIST_LANES; i += WIDE) {
+        const vf x = left + size * vf_load(lane_x + i), y = top + size * vf_load(lane_y + i);
+        const vf u = (f->x[0] * x + f->y[0] * y) + f->best[0];
+        const vf v = (f->x[1] * x + f->y[1] * y) + f->best[1];
+        const vf w = (f->x[2] * x + f->y[2] * y) + f->best[2];
+        const vf depth = f->slope_x * x + f->slope_y * y;
+        const vf begin = vf_max(depth + f->begin, vf_splat(f->nearest)), end = depth + f->end;
+        const vf before = vf_load(far + i);
+        const vf most = vf_min(vf_min(u, v), w);
+        const vf least = vf_min(vf_min(u + f->worst[0], v + f->worst[1]), w + f->worst[2]);
+        const vi enters = (most >= 0) & (begin <= before), hidden = (least >= 0) & (end < before);
+        vf_store(begins + i, begin);
+        vi_store(counts + i, vi_load(counts + i) - enters);
+        bits |= vi_bits(enters) << i;
+        vf_store(far + i, vf_where(hidden, end, before));
+    }
+    return bits;
+}
+
+/* Appends entries of a block's cells; the room for all of them is there. Returns how many. */
+static inline size_t append_entries(const shb_list_unsorted *entries, size_t end, uint32_t number,
+                                    uint32_t cell, uint32_t bits, const float *begins) {
+#if WIDE == 16
+    const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    const __m512i cells = _mm512_add_epi32(lanes, _mm512_set1_epi32((int32_t)cell));
+    _mm512_storeu_si512(entries->cells + end, _mm512_maskz_compress_epi32((__mmask16)bits, cells));
+    _mm512_storeu_ps(entries->begins + end,
+                     _mm512_maskz_compress_ps((__mmask16)bits, _mm512_loadu_ps(begins)));
+    _mm512_storeu_si512(entries->triangles + end, _mm512_set1_epi32((int32_t)number));
+    return (size_t)__builtin_popcount(bits);
+#else
+    size_t count = end;
+    for (; bits; bits &= bits - 1) {
+        const uint32_t lane = (uint32_t)__builtin_ctz(bits);
+        entries->triangles[count] = number;
+        entries->begins[count] = begins[lane];
+        entries->cells[count++] = cell + lane;
+    }
+    return count - end;
+#endif
+}
+
+/* Where a triangle lies in a tile, in blocks. */
+typedef struct list_blocks {
+    uint32_t columns; /* one bit each */
+    uint32_t first_row, last_row;
+} list_blocks;
+
+static inline list_blocks blocks_of(const shb_list_cover *cover, const shb_list_box *box) {
+    const int bits = cover->cell_bits + 2; /* texels of a block's side */
+    const uint32_t first_column = first_block(box->first_column, cover->column, bits);
+    const uint32_t last_column = last_block(box->last_column, cover->column, bits);
+    return (list_blocks){(2u << last_column) - (1u << first_column),
+                         first_block(box->first_row, cover->row, bits),
+                         last_block(box->last_row, cover->row, bits)};
+}
+
+/* True if all cells of all blocks that a triangle reaches hide it. */
+static inline bool is_hidden(const shb_list_cover *cover, const list_blocks *blocks,
+                             float nearest) {
+    uint32_t open = 0;
+    for (uint32_t row = blocks->first_row; row <= blocks->last_row; row++)
+        open |= open_blocks(cover, row, nearest);
+    return !(open & blocks->columns);
+}
+
+static inline void cover_blocks(shb_list_cover *cover, const list_blocks *blocks, bool hides,
+                                uint32_t number, const cell_functions *f) {
     SHB_ALIGN float begins[LIST_LANES];
-    for (int i = 0; i < LIST_LANES; i++) {
-        lane_x[i] = (float)((i & 3) << cover->cell_bits);
-        lane_y[i] = (float)((i >> 2) << cover->cell_bits);
+    size_t count = cover->entries.count;
+    for (uint32_t row = blocks->first_row; row <= blocks->last_row; row++) {
+        uint32_t open = blocks->columns;
+        if (hides)
+            open &= open_blocks(cover, row, f->nearest);
+        for (; open; open &= open - 1) {
+            const uint32_t column = (uint32_t)__builtin_ctz(open);
+            const uint32_t block = row * (SHB_LIST_BLOCKS >> cover->cell_bits) + column;
+            const uint32_t cell = block * LIST_LANES;
+            const uint32_t bits = cover_block(cover, f, column, row, &cover->blocks[block], begins);
+            count += append_entries(&cover->entries, count, number, cell, bits, begins);
+        }
     }
-    size_t count = 0;
+    cover->entries.count = count;
+}
+
+/* Finds how far the cells of each block let triangles be seen; true if some block hides any. */
+static bool find_farthest(shb_list_cover *cover) {
+    const uint32_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
+    bool hides = false;
+    for (uint32_t row = 0; row < blocks; row++)
+        for (uint32_t column = 0; column < blocks; column++) {
+            const float farthest = largest_of_block(cover->blocks[row * blocks + column].far);
+            cover->farthest[row * SHB_LIST_BLOCKS + column] = farthest;
+            hides |= farthest < HUGE_VALF;
+        }
+    return hides;
+}
+
+/* LIST_AHEAD: triangles that are fetched before they are used; LIST_SPELL: triangles after which
+ * blocks are looked at anew. */
+enum { LIST_AHEAD = 8, LIST_SPELL = 128 };
+
+static bool cover_cells(shb_list_cover *cover) {
+    const size_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
+    const size_t room = (blocks * blocks + 1) * LIST_LANES; /* for one triangle */
+    bool hides = false;
     for (size_t k = 0; k < cover->count; k++) {
-        const uint32_t number = (uint32_t)cover->keys[k];
         if (k + LIST_AHEAD < cover->count)
-            fetch_triangle(cover, (uint32_t)cover->keys[k + LIST_AHEAD]);
-        if (cover->entry_capacity - count < (size_t)(blocks * blocks + 1) * LIST_LANES)
+            __builtin_prefetch(&cover->triangles[(uint32_t)cover->keys[k + LIST_AHEAD]]);
+        if (cover->entries.capacity - cover->entries.count < room)
             return false;
-        const shb_list_box *box = &cover->boxes[number];
-        const cell_functions f = cell_functions_of(cover, number);
-        const uint32_t last_column = last_block(box->last_column, cover->column, block_bits);
-        const uint32_t last_row = last_block(box->last_row, cover->row, block_bits);
-        for (uint32_t y = first_block(box->first_row, cover->row, block_bits); y <= last_row; y++)
-            for (uint32_t x = first_block(box->first_column, cover->column, block_bits);
-                 x <= last_column; x++) {
-                const uint32_t cell = (y * blocks + x) * LIST_LANES;
-                const uint32_t bits =
-                    cover_block(&f, (float)(x << block_bits), (float)(y << block_bits), lane_x,
-                                lane_y, &cover->far[cell], begins);
-                count += append_entries(number, cell, bits, begins, cover->entries + count,
-                                        cover->cells + count);
-            }
+        if (k % LIST_SPELL == LIST_SPELL - 1)
+            hides = find_farthest(cover);
+        const uint32_t number = (uint32_t)cover->keys[k];
+        const float nearest =
+            (float)shb_list_level_depth(cover->frame, (double)(cover->keys[k] >> 32));
+        const list_blocks reached = blocks_of(cover, &cover->boxes[number]);
+        if (hides && is_hidden(cover, &reached, nearest))
+            continue;
+        const cell_functions f = cell_functions_of(cover, number, nearest);
+        cover_blocks(cover, &reached, hides, number, &f);
     }
-    cover->entry_count = count;
     return true;
 }
 

@@ -20,7 +20,7 @@ typedef struct shb_list_vertex {
     double inverse_w; /* 0: in front of the near plane; NaN: not finite, has no triangles */
 } shb_list_vertex;
 
-/* Corners of triangles that lie behind the near plane and well in front of the light's own. */
+/* Corners of triangles, lane by lane. */
 typedef struct shb_list_corners {
     SHB_ALIGN double x[3][SHB_LIST_LANES];
     double y[3][SHB_LIST_LANES], z[3][SHB_LIST_LANES], inverse_w[3][SHB_LIST_LANES];
@@ -35,6 +35,21 @@ typedef struct shb_list_entry {
 /* Entries are looked at this many at a time; so many more may be read behind the last one. */
 #define SHB_LIST_STEP 8
 
+/* Blocks of a tile's side where cells are single texels. */
+#define SHB_LIST_BLOCKS (SHB_LIST_TILE / SHB_LIST_BLOCK)
+
+typedef struct shb_list_block {
+    SHB_ALIGN float far[SHB_LIST_LANES]; /* behind it all of a cell is in shadow */
+    int32_t counts[SHB_LIST_LANES];      /* of a cell's entries */
+} shb_list_block;
+
+/* Entries in the order of triangles, and the cell of each. */
+typedef struct shb_list_unsorted {
+    uint32_t *triangles, *cells;
+    float *begins;
+    size_t count, capacity;
+} shb_list_unsorted;
+
 /* One tile while triangles are put into its cells. Cells are kept block by block, row by row in
  * both. */
 typedef struct shb_list_cover {
@@ -43,13 +58,12 @@ typedef struct shb_list_cover {
     const shb_list_box *boxes;
     const uint64_t *keys; /* triangles in the low halves, front to back by the levels above */
     size_t count;
-    uint32_t column, row;                     /* of the tile's first texel */
-    int cell_bits;                            /* cells are squares of 2^cell_bits texels */
-    float far[SHB_LIST_TILE * SHB_LIST_TILE]; /* behind it all of a cell is in shadow */
-    /* entries in the order of triangles, and the cell of each */
-    shb_list_entry *entries;
-    uint32_t *cells;
-    size_t entry_count, entry_capacity;
+    uint32_t column, row; /* of the tile's first texel */
+    int cell_bits;        /* cells are squares of 2^cell_bits texels */
+    shb_list_block blocks[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS];
+    float farthest[SHB_LIST_BLOCKS *
+                   SHB_LIST_BLOCKS]; /* of the cells of each, SHB_LIST_BLOCKS a row */
+    shb_list_unsorted entries;
 } shb_list_cover;
 
 /* Points that ask at the same time, as the light sees them. */
@@ -77,10 +91,13 @@ typedef struct shb_list_question {
 } shb_list_question;
 
 typedef struct shb_list_kernels {
-    /* Prepares triangles of whole corners. */
-    void (*prepare)(const shb_list_frame *frame, const shb_list_corners *corners,
-                    shb_list_triangle triangles[SHB_LIST_LANES],
-                    shb_list_box boxes[SHB_LIST_LANES]);
+    /* Prepares triangles, whose corners are at these vertices. Returns those, one bit each, that
+     * have a corner in front of the near plane or too near to the light's own: what is written of
+     * them is of no use. */
+    uint32_t (*prepare)(const shb_list_frame *frame, const shb_list_vertex *vertices,
+                        const uint32_t *const corners[SHB_LIST_LANES],
+                        shb_list_triangle triangles[SHB_LIST_LANES],
+                        shb_list_box boxes[SHB_LIST_LANES]);
 
     /* Puts a tile's triangles into its cells. A triangle goes into a cell unless it misses the cell
      * for sure or begins there behind a triangle before it that covers the cell for sure. False if
