@@ -20,15 +20,19 @@ static void ask_lists(const shb_lists *lists, const shb_exact_points *points, fl
     shb_lists_query(lists, &asked, visibility);
 }
 
+static bool has_planes_alone(const shb_map *map) {
+    return map->info.occluders == SHB_OCCLUDERS_PLANES && map->occluders.held;
+}
+
 /* By all that the map keeps for the exact method; nothing held: an empty map. */
 static void ask_occluders(const shb_map *map, const shb_exact_points *points,
                           const shb_receivers *receivers, float *visibility) {
     if (map->lists) {
         ask_lists(map->lists, points, visibility);
-    } else if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES && map->occluders.held) {
-        shb_exact_ask_triangles(map, points, receivers, visibility);
-    } else if (map->occluders.held) {
+    } else if (has_planes_alone(map)) {
         map->context->shade_kernels->planes(map, points->count, receivers, visibility);
+    } else if (map->occluders.held) {
+        shb_exact_ask_triangles(map, points, receivers, visibility);
     } else {
         for (size_t i = 0; i < shb_round_to_lanes(points->count); i++)
             visibility[i] = 1;
@@ -93,9 +97,14 @@ static void ask_sheets_first(const shb_map *map, const shb_exact_points *points,
 
 void shb_exact_visibility(const shb_filter_args *args) {
     const shb_map *map = args->map;
+    const bool settles = map->classifies && map->occluders.held && !args->lifted;
+    if (!settles && has_planes_alone(map)) { /* they do not ask for exact points */
+        map->context->shade_kernels->planes(map, args->count, args->receivers, args->visibility);
+        return;
+    }
     shb_exact_points points;
     shb_exact_points_of(args, &points);
-    if (map->classifies && map->occluders.held && !args->lifted)
+    if (settles)
         ask_sheets_first(map, &points, args->receivers, args->visibility);
     else
         ask_occluders(map, &points, args->receivers, args->visibility);

@@ -23,6 +23,9 @@
  */
 enum { SPINS = 256 };
 
+/* Twice what shading needs (shade.h). */
+#define STACK_SIZE ((size_t)1 << 20)
+
 struct shb_pool {
     _Alignas(64) _Atomic uint64_t gate;
     _Alignas(64) atomic_size_t next; /* the first index that nobody has taken */
@@ -148,15 +151,27 @@ void shb_pool_run(shb_pool *pool, shb_task_fn *task, void *arg, size_t count) {
     wait_until_empty(pool);
 }
 
+/* Some systems' threads have less than shading needs. */
+static void ask_for_stack(pthread_attr_t *attributes) {
+    size_t size;
+    if (pthread_attr_getstacksize(attributes, &size) == 0 && size < STACK_SIZE)
+        pthread_attr_setstacksize(attributes, STACK_SIZE);
+}
+
 /* The host's signals are not for these threads. */
 static void start_workers(shb_pool *pool, uint32_t wanted) {
+    pthread_attr_t attributes;
     sigset_t all, before;
+    if (pthread_attr_init(&attributes))
+        return;
+    ask_for_stack(&attributes);
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     while (pool->workers < wanted &&
-           pthread_create(&pool->threads[pool->workers], NULL, work, pool) == 0)
+           pthread_create(&pool->threads[pool->workers], &attributes, work, pool) == 0)
         pool->workers++;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_attr_destroy(&attributes);
 }
 
 shb_pool *shb_pool_create(const shb_context *context, uint32_t threads) {

@@ -94,7 +94,7 @@ typedef struct shb_shade_desc {
     shb_image image; /* pixels NULL: none is written, the callback may keep what it wants */
 } shb_shade_desc;
 
-/* Shades the frame; allocates nothing, but needs some 400 KB of stack on every thread. Errors:
+/* Shades the frame; allocates nothing, but needs some 500 KB of stack on every thread. Errors:
  * SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE (also an image that is not of the frame's size),
  * SHB_ERROR_NUMBER (background, colour, view), SHB_ERROR_UNSUPPORTED as shb_map_visibility; the
  * image is untouched then. Ids that the scene does not have, or whose triangle has a corner that is
