@@ -2,6 +2,7 @@
  * calculation of both stages. Under the orthographic light depth is (4 - z) / 8, and distance is
  * depth. */
 #include "depth_map.h"
+#include "oracle.h"
 #include "probe.h"
 #include "random.h"
 #include "test.h"
@@ -104,8 +105,8 @@ TEST(prefiltered_penumbras_do_not_depend_on_the_worlds_unit) {
             depth_map_prepare(&one, &filter);
             depth_map_prepare(&other, &scaled);
             for (int k = 0; k < 20; k++) {
-                const double x = (double)(float)random_double(&random, -0.9, 0.9);
-                const double y = (double)(float)random_double(&random, -0.9, 0.9), z = 1.5;
+                const double x = oracle_float(random_double(&random, -0.9, 0.9));
+                const double y = oracle_float(random_double(&random, -0.9, 0.9)), z = 1.5;
                 CHECK(depth_map_ask(&one, &filter, x, y, z) ==
                       depth_map_ask(&other, &scaled, x * scale, y * scale, z * scale));
             }
@@ -249,12 +250,12 @@ TEST(both_stages_are_those_of_a_slow_calculation) {
     test_random random = {67};
     for (int i = 0; i < 60; i++) {
         const int method = i % METHODS;
-        const double light = (double)(float)(i / METHODS % 4 * 0.03 + 0.02);
+        const double light = oracle_float(i / METHODS % 4 * 0.03 + 0.02);
         const shb_filter filter = filter_of(method, light);
         depth_map_prepare(&host, &filter);
-        const double x = (double)(float)random_double(&random, -1, 1);
-        const double y = (double)(float)random_double(&random, -1, 1);
-        const double depth = (double)(float)random_double(&random, 0.2, 0.95);
+        const double x = oracle_float(random_double(&random, -1, 1));
+        const double y = oracle_float(random_double(&random, -1, 1));
+        const double depth = oracle_float(random_double(&random, 0.2, 0.95));
         const double column = (x + 1) * WIDTH / 2, row = (1 - y) * HEIGHT / 2;
         const judged found =
             judge(method, depths, column, row, square_of_penumbra(light, depth - 0.125), depth);
