@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* Triangles lower than this, or than this part of their longest edge, leave their cluster without a
- * cone: their normals are known too badly. */
+/* Triangles lower than this, or than this part of their longest edge, leave their cluster without
+ * normals: theirs are known too badly. */
 #define HEIGHT_MIN 0x1p-120
 #define HEIGHT_PART_MIN 0x1p-30
 
@@ -76,19 +76,23 @@ static bool find_facets(const float *positions, const uint8_t (*corners)[3],
     return true;
 }
 
-static void bound_normals(const float *positions, const uint8_t (*corners)[3],
-                          shb_cluster *cluster) {
-    facet facets[SHB_CHUNK];
-    uint32_t count;
-    cluster->cosine = -1;
-    if (!find_facets(positions, corners, cluster, facets, &count) || count == 0)
-        return;
-    shb_vec3 sum = {0, 0, 0};
-    double height = HUGE_VAL, cosine = 1;
+static void bound_by_box(const facet *facets, uint32_t count, shb_cluster *cluster) {
     for (uint32_t i = 0; i < count; i++) {
-        sum = shb_vec3_add(sum, facets[i].normal);
-        height = fmin(height, facets[i].height);
+        const shb_vec3 n = facets[i].normal;
+        const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
+        for (int axis = 0; axis < 3; axis++) {
+            float *lo = &cluster->normal_lo[axis], *hi = &cluster->normal_hi[axis];
+            *lo = i == 0 || normal[axis] < *lo ? normal[axis] : *lo;
+            *hi = i == 0 || normal[axis] > *hi ? normal[axis] : *hi;
+        }
     }
+}
+
+static void bound_by_cone(const facet *facets, uint32_t count, shb_cluster *cluster) {
+    shb_vec3 sum = {0, 0, 0};
+    double cosine = 1;
+    for (uint32_t i = 0; i < count; i++)
+        sum = shb_vec3_add(sum, facets[i].normal);
     const double length = shb_vec3_length(sum);
     if (!(length > 0))
         return;
@@ -99,7 +103,22 @@ static void bound_normals(const float *positions, const uint8_t (*corners)[3],
     cluster->axis[1] = (float)axis.y;
     cluster->axis[2] = (float)axis.z;
     cluster->cosine = (float)cosine;
-    cluster->height = (float)fmin(height, 0x1p100);
+}
+
+static void bound_normals(const float *positions, const uint8_t (*corners)[3],
+                          shb_cluster *cluster) {
+    facet facets[SHB_CHUNK];
+    uint32_t count;
+    cluster->cosine = -1;
+    cluster->height = 0;
+    if (!find_facets(positions, corners, cluster, facets, &count) || count == 0)
+        return;
+    double height = 0x1p100;
+    for (uint32_t i = 0; i < count; i++)
+        height = fmin(height, facets[i].height);
+    cluster->height = (float)height;
+    bound_by_box(facets, count, cluster);
+    bound_by_cone(facets, count, cluster);
 }
 
 void shb_cluster_bound(const float *positions, const uint8_t (*corners)[3], shb_cluster *cluster) {

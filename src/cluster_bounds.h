@@ -1,10 +1,10 @@
-/* The box and the cone of a cluster. */
+/* The boxes and the cone of a cluster. */
 #ifndef SRC_CLUSTER_BOUNDS_H
 #define SRC_CLUSTER_BOUNDS_H
 
 #include "clusters.h"
 
-/* Fills in box, cone and height of a cluster whose counts are known; positions: all x of its
+/* Fills in boxes, cone and height of a cluster whose counts are known; positions: all x of its
  * vertices, then, places on, all y and all z. */
 void shb_cluster_bound(const float *positions, const uint8_t (*corners)[3], shb_cluster *cluster);
 

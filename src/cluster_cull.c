@@ -6,7 +6,7 @@
 
 #define CLIP_DOUBT 0x1p-48
 #define EYE_DOUBT 0x1p-50
-#define CONE_DOUBT 0x1p-16
+#define NORMAL_DOUBT 0x1p-16
 
 /* Errors of a window coordinate, in pixels: of those computed, and of those snapped. */
 #define WINDOW_DOUBT 0x1p-12
@@ -57,8 +57,12 @@ static void find_eye(shb_cluster_view *view) {
     }
 }
 
+static double squared3(const double v[3]) {
+    return (v[0] * v[0] + v[1] * v[1]) + v[2] * v[2];
+}
+
 static double length3(const double v[3]) {
-    return sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
+    return sqrt(squared3(v));
 }
 
 shb_cluster_view shb_cluster_view_of(const shb_draw_instance *instance, const shb_target *target) {
@@ -185,28 +189,38 @@ static shb_samples samples_in(const shb_cluster_view *view, const window_box *wi
     return shb_samples_intersect(samples, view->target->samples);
 }
 
+/* No normal of the cone has a larger product with v; HUGE_VAL: it says nothing. */
+static double largest_in_cone(const shb_cluster *cluster, const double v[3]) {
+    const double cosine = (double)cluster->cosine;
+    const double along = ((double)cluster->axis[0] * v[0] + (double)cluster->axis[1] * v[1]) +
+                         (double)cluster->axis[2] * v[2];
+    if (!(cosine > 0 && along < 0))
+        return HUGE_VAL;
+    const double across = sqrt(fmax(squared3(v) - along * along, 0));
+    return along * cosine + across * sqrt(1 - fmin(cosine * cosine, 1));
+}
+
+static double largest_in_box(const shb_cluster *cluster, const double v[3]) {
+    double sum = 0;
+    for (int i = 0; i < 3; i++)
+        sum += fmax((double)cluster->normal_lo[i] * v[i], (double)cluster->normal_hi[i] * v[i]);
+    return sum;
+}
+
 /* True if every triangle of the cluster faces the way that is dropped, (1). */
 static bool faces_away(const shb_cluster_view *view, const shb_cluster *cluster,
                        const middle_box *box, double pixels_a_unit, double largest_w) {
-    if (view->facing == 0 || !(cluster->cosine > 0))
+    if (view->facing == 0 || !(cluster->height > 0))
         return false;
     const double *e = view->eye;
-    const double a[3] = {(double)cluster->axis[0], (double)cluster->axis[1],
-                         (double)cluster->axis[2]};
-    double v[3], doubt = 0, along = 0;
+    double v[3], doubt = 0;
     for (int i = 0; i < 3; i++) {
         v[i] = view->facing * (e[i] - e[3] * box->middle[i]);
         doubt += view->eye_doubt[i] + view->eye_doubt[3] * box->reach[i];
-        along += a[i] * v[i];
     }
-    if (!(along < 0))
-        return false;
-    const double squared = (v[0] * v[0] + v[1] * v[1]) + v[2] * v[2];
-    const double across = sqrt(fmax(squared - along * along, 0));
-    const double cosine = (double)cluster->cosine, sine = sqrt(1 - fmin(cosine * cosine, 1));
-    const double radius = length3(box->half);
-    const double c = -((along * cosine + across * sine) + fabs(e[3]) * radius) -
-                     (doubt + CONE_DOUBT * sqrt(squared));
+    const double largest = fmin(largest_in_cone(cluster, v), largest_in_box(cluster, v));
+    const double c =
+        -(largest + fabs(e[3]) * length3(box->half)) - (doubt + NORMAL_DOUBT * sqrt(squared3(v)));
     const double h = (double)cluster->height, d = SNAP_DOUBT;
     const double area = view->target->half_width * view->target->half_height;
     const double cube = largest_w * largest_w * largest_w;

@@ -1,4 +1,4 @@
-/* What a view can see of a cluster, from its box and its cone alone.
+/* What a view can see of a cluster, from its boxes and its cone alone.
  *
  * Nothing is left out that drawing triangle by triangle would draw, or count as not finite: bounds
  * hold for the rounded numbers that drawing computes. u = 2^-53.
@@ -27,9 +27,11 @@
  *     h half_width half_height c / w^3 > 4.25 D g + 8 D^2 / h                               (1)
  *
  * c: with v = e - e_w P all normals of the cone have n . v <= (a . v) cos + |v x a| sin where a . v
- * < 0, a the axis, cos and sin those of half the opening. From the box's centre to P, v changes by
- * at most |e_w| R, R half the diagonal. Normals, axis and cosine are right to 2^-17 |v|, and e and
- * e_w to 2^-50 of the sum of sizes of their products. */
+ * < 0, a the axis, cos and sin those of half the opening; and all of the box of normals n . v <=
+ * the sum of max(lo_i v_i, hi_i v_i), which is less where normals spread more one way than another.
+ * From the centre of the cluster's box to P, v changes by at most |e_w| R, R half the diagonal, and
+ * n . v by no more. Normals, their box, axis and cosine are right to 2^-17 |v|, and e and e_w to
+ * 2^-50 of the sum of sizes of their products. */
 #ifndef SRC_CLUSTER_CULL_H
 #define SRC_CLUSTER_CULL_H
 

@@ -8,12 +8,14 @@
 /* Vertices of a cluster take a multiple of so many places. */
 #define SHB_CLUSTER_PADDING 8
 
-/* A box and a cone in mesh units. */
+/* Boxes and a cone in mesh units. What is said of normals holds for all triangles that have two
+ * edges. */
 typedef struct shb_cluster {
     float lo[3], hi[3]; /* of the vertices; lo[0] is NaN if one of them is not finite */
-    float axis[3];      /* of a cone that holds the normals of all triangles that have two edges */
-    float cosine;       /* of half its opening; 0 or less: there is no cone */
-    float height;       /* no such triangle is less high over its longest edge */
+    float height; /* no triangle is less high over its longest edge; 0: normals are not known */
+    float normal_lo[3], normal_hi[3]; /* of the unit normals */
+    float axis[3];                    /* of a cone that holds the normals */
+    float cosine;                     /* of half its opening; 0 or less: there is no cone */
     uint32_t first_triangle;
     uint64_t first_vertex; /* a place */
     uint16_t triangle_count, vertex_count;
