@@ -28,37 +28,51 @@ static drawn_mesh mesh_of(const shb_map *map) {
     return (drawn_mesh){0};
 }
 
-/* From the first corner, as the truth has it. False: far from where it should be. */
-static bool place(const drawn_mesh *mesh, const shb_own_triangles *own, size_t i,
-                  const float position[3], double point[3]) {
-    if (own->ids[i] >= mesh->triangle_count)
-        return false;
-    const uint32_t *corners = mesh->corners[own->ids[i]];
+/* A triangle from its first corner on, as the truth has it, and how far positions may be off. */
+typedef struct placed_triangle {
+    double corner[3], way_1[3], way_2[3], slack[3];
+} placed_triangle;
+
+static placed_triangle triangle_of(const drawn_mesh *mesh, uint32_t id) {
+    const uint32_t *corners = mesh->corners[id];
     const double *a = mesh->vertices[corners[0]], *b = mesh->vertices[corners[1]];
     const double *c = mesh->vertices[corners[2]];
-    const double weight_1 = (double)own->weight_1[i], weight_2 = (double)own->weight_2[i];
-    bool agrees = true;
+    placed_triangle t;
     for (int k = 0; k < 3; k++) {
-        point[k] = a[k] + ((b[k] - a[k]) * weight_1 + (c[k] - a[k]) * weight_2);
-        const double size = fabs(a[k]) + fabs(b[k]) + fabs(c[k]);
-        agrees &= fabs(point[k] - (double)position[k]) <= AGREEMENT * size;
+        t.corner[k] = a[k];
+        t.way_1[k] = b[k] - a[k];
+        t.way_2[k] = c[k] - a[k];
+        t.slack[k] = AGREEMENT * (fabs(a[k]) + fabs(b[k]) + fabs(c[k]));
     }
-    return agrees;
+    return t;
 }
 
+static double place(const placed_triangle *t, int k, double weight_1, double weight_2) {
+    return t->corner[k] + (t->way_1[k] * weight_1 + t->way_2[k] * weight_2);
+}
+
+/* False: a point is far from where it should be. Neighbours often share their triangle. */
 static bool place_all(const shb_filter_args *args, shb_exact_points *points) {
     const drawn_mesh mesh = mesh_of(args->map);
     const shb_receivers *r = args->receivers;
+    const shb_own_triangles *own = args->own;
+    placed_triangle t = {0};
+    bool agrees = true;
     for (size_t i = 0; i < args->count; i++) {
-        const float position[3] = {r->x[i], r->y[i], r->z[i]};
-        double point[3];
-        if (!place(&mesh, args->own, i, position, point))
+        const uint32_t id = own->ids[i];
+        if (id >= mesh.triangle_count)
             return false;
-        points->x[i] = point[0];
-        points->y[i] = point[1];
-        points->z[i] = point[2];
+        if (i == 0 || id != own->ids[i - 1])
+            t = triangle_of(&mesh, id);
+        const double weight_1 = (double)own->weight_1[i], weight_2 = (double)own->weight_2[i];
+        points->x[i] = place(&t, 0, weight_1, weight_2);
+        points->y[i] = place(&t, 1, weight_1, weight_2);
+        points->z[i] = place(&t, 2, weight_1, weight_2);
+        agrees &= (fabs(points->x[i] - (double)r->x[i]) <= t.slack[0]) &
+                  (fabs(points->y[i] - (double)r->y[i]) <= t.slack[1]) &
+                  (fabs(points->z[i] - (double)r->z[i]) <= t.slack[2]);
     }
-    return true;
+    return agrees;
 }
 
 static void fill_group(shb_exact_points *points) {
