@@ -119,8 +119,10 @@ TEST(report_front_has_what_nothing_beats_in_both) {
     add(&rows, make_row("a", "hard", "right", 5, 1));
     add(&rows, make_row("a", "hard", "beaten", 6, 1));
     add(&rows, make_row("a", "pcss", "soft", 0.5, 0));
-    const bool expected[4] = {true, true, false, true};
-    for (size_t i = 0; i < 4; i++)
+    add(&rows, make_row("a", "hard", "whole", 7, 1)); /* as "right", but for boundaries */
+    rows.rows[4].wrong_ppm = 0.5;
+    const bool expected[5] = {true, true, false, true, true};
+    for (size_t i = 0; i < 5; i++)
         CHECK(report_is_on_front(&rows, &rows.rows[i], report_rms) == expected[i]);
     report_rows_free(&rows);
 }

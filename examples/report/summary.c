@@ -129,17 +129,26 @@ bool report_add_means(report_rows *rows) {
     return room;
 }
 
+/* Below 0: the first one is more right; among equals the one with fewer wrong fragments in all. */
+static int compare_errors(const report_row *a, const report_row *b, report_error_fn *error_of) {
+    const double first = error_of(a), second = error_of(b);
+    if (first != second)
+        return first < second ? -1 : 1;
+    return (a->wrong_ppm > b->wrong_ppm) - (a->wrong_ppm < b->wrong_ppm);
+}
+
 bool report_is_on_front(const report_rows *rows, const report_row *row, report_error_fn *error_of) {
-    const double ms = report_row_ms(row), error = error_of(row);
+    const double ms = report_row_ms(row);
     for (size_t i = 0; i < rows->count; i++) {
         const report_row *other = &rows->rows[i];
         if (!report_share_pair(other, row))
             continue;
-        const double other_ms = report_row_ms(other), other_error = error_of(other);
-        if (other_ms <= ms && other_error <= error && (other_ms < ms || other_error < error))
+        const double other_ms = report_row_ms(other);
+        const int compared = compare_errors(other, row, error_of);
+        if (other_ms <= ms && compared <= 0 && (other_ms < ms || compared < 0))
             return false;
     }
-    return !isnan(error);
+    return !isnan(error_of(row));
 }
 
 /* Of the means of a kind that take at most so many milliseconds. */
@@ -149,7 +158,7 @@ static const report_row *least_error(const report_rows *rows, bool hard, report_
     for (size_t i = 0; i < rows->count; i++) {
         const report_row *row = &rows->rows[i];
         if (report_is_mean(row) && report_is_hard(row) == hard && report_row_ms(row) <= ms &&
-            (!best || error_of(row) < error_of(best)))
+            (!best || compare_errors(row, best, error_of) < 0))
             best = row;
     }
     return best;
