@@ -61,23 +61,6 @@ static size_t settle(const shb_map *map, const shb_exact_points *points, float *
     return left;
 }
 
-/* Fragments of these numbers as a batch; has_normals: theirs are read. The last one fills up the
- * lanes. */
-static void pick(const shb_receivers *restrict from, const uint16_t *numbers, size_t count,
-                 bool has_normals, shb_receivers *restrict to) {
-    for (size_t k = 0; k < shb_round_to_lanes(count); k++) {
-        const size_t i = numbers[k < count ? k : count - 1];
-        to->x[k] = from->x[i];
-        to->y[k] = from->y[i];
-        to->z[k] = from->z[i];
-        if (has_normals) {
-            to->normal_x[k] = from->normal_x[i];
-            to->normal_y[k] = from->normal_y[i];
-            to->normal_z[k] = from->normal_z[i];
-        }
-    }
-}
-
 /* Few fragments are left for the occluders where sheets know the others. */
 static void ask_sheets_first(const shb_map *map, const shb_exact_points *points,
                              const shb_receivers *receivers, float *visibility) {
@@ -89,7 +72,7 @@ static void ask_sheets_first(const shb_map *map, const shb_exact_points *points,
     if (left_count == 0)
         return;
     shb_exact_points_pick(points, unsure, left_count, &left_points);
-    pick(receivers, unsure, left_count, !map->lists, &left);
+    shb_receivers_pick(receivers, unsure, left_count, !map->lists, &left);
     ask_occluders(map, &left_points, &left, answers);
     for (size_t k = 0; k < left_count; k++)
         visibility[unsure[k]] = answers[k];

@@ -19,4 +19,9 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
 /* The same in texels and canonical depth. */
 shb_light_rows shb_light_rows_of(const shb_projection *projection);
 
+/* Places, and with_normals: normals, of the fragments with these ascending numbers, as a batch of
+ * its own; the last one fills up the lanes. to may be from. */
+void shb_receivers_pick(const shb_receivers *from, const uint16_t *numbers, size_t count,
+                        bool with_normals, shb_receivers *to);
+
 #endif

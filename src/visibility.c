@@ -4,6 +4,7 @@
 #include "kernels/shade.h"
 #include "kernels/sheets.h"
 #include "prepare.h"
+#include "project.h"
 #include "stages.h"
 
 #include <string.h>
@@ -136,22 +137,6 @@ static void ask_filter(const shb_map *map, const shb_bias *bias, const shb_filte
     filter->filter(&filter_args);
 }
 
-/* Moves some fragments of a batch to its beginning, in their order. */
-static void gather(size_t count, const uint16_t *which, bool with_normals, shb_receivers *r) {
-    const size_t lanes = shb_round_to_lanes(count);
-    for (size_t i = 0; i < lanes; i++) {
-        const size_t from = i < count ? which[i] : count - 1;
-        r->x[i] = r->x[from];
-        r->y[i] = r->y[from];
-        r->z[i] = r->z[from];
-        if (with_normals) {
-            r->normal_x[i] = r->normal_x[from];
-            r->normal_y[i] = r->normal_y[from];
-            r->normal_z[i] = r->normal_z[from];
-        }
-    }
-}
-
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, bool lifted, const shb_own_triangles *own,
                           shb_receivers *receivers, float *visibility) {
@@ -165,7 +150,7 @@ void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_fi
     if (left == SIZE_MAX) {
         ask_filter(map, bias, filter, count, lifted, own, receivers, visibility);
     } else if (left > 0) {
-        gather(left, doubtful, quick.plane, receivers);
+        shb_receivers_pick(receivers, doubtful, left, quick.plane, receivers);
         ask_filter(map, bias, filter, left, lifted, NULL, receivers, asked);
         for (size_t i = 0; i < left; i++)
             visibility[doubtful[i]] = asked[i];
