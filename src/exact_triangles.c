@@ -42,8 +42,7 @@ typedef struct asking {
 } asking;
 
 static double row_error(const shb_list_frame *frame, const double row[4]) {
-    const double size = (fabs(row[0]) + fabs(row[1])) + fabs(row[2]);
-    return 8 * SHB_DOUBLE_ROUNDING * (size * frame->reach + fabs(row[3]));
+    return 8 * SHB_DOUBLE_ROUNDING * shb_list_row_size(row, frame->reach);
 }
 
 static product_errors product_errors_of(const shb_list_frame *frame) {

@@ -19,7 +19,7 @@ static void matrix_row(const shb_mat4 *matrix, int row, double out[4]) {
         out[column] = matrix->m[4 * column + row];
 }
 
-static double row_size(const double row[4], double reach) {
+double shb_list_row_size(const double row[4], double reach) {
     return (fabs(row[0]) + fabs(row[1]) + fabs(row[2])) * reach + fabs(row[3]);
 }
 
@@ -34,7 +34,7 @@ static double drift(const shb_list_frame *frame, const double row[4]) {
         const double change = fabs((row[0] * p.x + row[1] * p.y) + row[2] * p.z);
         return 4 * frame->reach * (change + 4 * ROUNDING * sizes);
     }
-    const double depth = row_size(w, frame->reach) - fabs(w[3]);
+    const double depth = shb_list_row_size(w, frame->reach) - fabs(w[3]);
     const double distance = w[3] - depth;
     const double part = distance > 2 * depth ? 2 * depth / distance : 1;
     return part * (fabs(shb_list_row(row, p.x, p.y, p.z)) + 4 * ROUNDING * (sizes + fabs(row[3])));
@@ -93,7 +93,7 @@ void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_exte
     const shb_list_extent all = join(count, extents);
     frame->reach = all.reach;
     for (int r = 0; r < 4; r++) {
-        frame->errors[r] = PROJECTION_ROUNDING * row_size(frame->rows[r], frame->reach);
+        frame->errors[r] = PROJECTION_ROUNDING * shb_list_row_size(frame->rows[r], frame->reach);
         if (r != 2)
             frame->errors[r] += drift(frame, frame->rows[r]);
     }
