@@ -6,6 +6,7 @@
 
 #include "allocator.h"
 #include "random.h"
+#include "ray_caster.h"
 #include "soup.h"
 #include "test.h"
 
@@ -185,11 +186,6 @@ static double mean_of_rays(const scene_truth *t, const shb_area_light *area, shb
             lit += !occluded;
         }
     return lit / (double)(SIDE * SIDE);
-}
-
-static shb_vec3 random_point(test_random *random, double reach) {
-    const double x = random_double(random, -reach, reach), y = random_double(random, -reach, reach);
-    return (shb_vec3){x, y, random_double(random, -reach, reach)};
 }
 
 static scene_truth make_random(test_random *random, unsigned count, double size) {

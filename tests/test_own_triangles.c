@@ -112,60 +112,44 @@ static shb_view sun_over(const shb_scene *scene) {
     return view;
 }
 
-/* Floats are 2^-7 apart at 10^5: positions lie below the ball's facets and the plate, or above. */
+/* The ball this far away, asked by name; floats are 2^-7 apart at 10^5: positions lie below the
+ * ball's facets and the plate, or above. */
+static wrong_answers ask_far_ball(float away, shb_occluders occluders, bool classifies,
+                                  uint64_t seed) {
+    soup s = far_ball(away);
+    const shb_scene *scene = soup_scene(&s);
+    const shb_map_desc desc = {
+        .view = sun_over(scene), .width = 256, .occluders = occluders, .classifies = classifies};
+    named_points *p = points_of(scene, &desc.view, seed);
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    shb_map *map = map_of(context, &desc, scene);
+    const wrong_answers named = ask(map, p, true), plain = ask(map, p, false);
+    CHECK(away < 1e5f || plain.shadow + plain.light > 10);
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+    free(p);
+    soup_free(&s);
+    return named;
+}
+
 TEST(named_points_of_lists_answer_as_rays_where_floats_are_coarse) {
     static const float away[] = {0, 1e3f, 1e5f, 3e6f};
-    for (int i = 0; i < 4; i++)
-        for (int classifies = 0; classifies < 2; classifies++) {
-            soup s = far_ball(away[i]);
-            const shb_scene *scene = soup_scene(&s);
-            const shb_view view = sun_over(scene);
-            named_points *p = points_of(scene, &view, 41);
-            shb_context *context = NULL;
-            CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
-            shb_map *map = map_of(context,
-                                  &(shb_map_desc){.view = view,
-                                                  .width = 256,
-                                                  .occluders = SHB_OCCLUDERS_LISTS,
-                                                  .classifies = classifies != 0},
-                                  scene);
-            const wrong_answers named = ask(map, p, true), plain = ask(map, p, false);
-            CHECK_INT(named.shadow + named.light, 0);
-            CHECK(away[i] < 1e5f || plain.shadow + plain.light > 10);
-            shb_map_destroy(map);
-            shb_context_destroy(context);
-            free(p);
-            soup_free(&s);
-        }
+    for (int i = 0; i < 8; i++) {
+        const wrong_answers named = ask_far_ball(away[i / 2], SHB_OCCLUDERS_LISTS, i % 2, 41);
+        CHECK_INT(named.shadow + named.light, 0);
+    }
 }
 
 /* On closed meshes a walk cannot end in false shadow; what is left is a silhouette inside a texel
  * that no sample sees, a few of COUNT. */
 TEST(named_points_of_triangles_get_no_false_shadow_where_floats_are_coarse) {
     static const float away[] = {0, 1e5f, 3e6f};
-    for (int i = 0; i < 3; i++)
-        for (int classifies = 0; classifies < 2; classifies++) {
-            soup s = far_ball(away[i]);
-            const shb_scene *scene = soup_scene(&s);
-            const shb_view view = sun_over(scene);
-            named_points *p = points_of(scene, &view, 42);
-            shb_context *context = NULL;
-            CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
-            shb_map *map = map_of(context,
-                                  &(shb_map_desc){.view = view,
-                                                  .width = 256,
-                                                  .occluders = SHB_OCCLUDERS_TRIANGLES,
-                                                  .classifies = classifies != 0},
-                                  scene);
-            const wrong_answers named = ask(map, p, true), plain = ask(map, p, false);
-            CHECK_INT(named.shadow, 0);
-            CHECK(named.light <= 2);
-            CHECK(away[i] < 1e5f || plain.shadow + plain.light > 10);
-            shb_map_destroy(map);
-            shb_context_destroy(context);
-            free(p);
-            soup_free(&s);
-        }
+    for (int i = 0; i < 6; i++) {
+        const wrong_answers named = ask_far_ball(away[i / 2], SHB_OCCLUDERS_TRIANGLES, i % 2, 42);
+        CHECK_INT(named.shadow, 0);
+        CHECK(named.light <= 2);
+    }
 }
 
 /* Faces that touch others to 3e-9 units, which is less than their floats are rounded by. */

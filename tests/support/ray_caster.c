@@ -30,8 +30,8 @@ int ray_caster_occluded(const shb_reference *reference, shb_light_source light, 
 }
 
 shb_vec3 random_point(test_random *random, double half) {
-    return (shb_vec3){random_double(random, -half, half), random_double(random, -half, half),
-                      random_double(random, -half, half)};
+    const double x = random_double(random, -half, half), y = random_double(random, -half, half);
+    return (shb_vec3){x, y, random_double(random, -half, half)};
 }
 
 void soup_add_needles(soup *s, test_random *random, uint32_t count, double size) {
