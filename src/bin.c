@@ -3,6 +3,7 @@
 #include "bin.h"
 
 #include "scratch.h"
+#include "starts.h"
 
 #include <string.h>
 
@@ -73,7 +74,7 @@ static void sum_stats(const shb_draw_stats *blocks, uint64_t count, shb_draw_sta
 }
 
 /* The length of every list, then the start of every list in its place. Returns the sum. */
-static uint64_t find_starts(const bin_job *job, const shb_bins *bins, uint64_t *starts) {
+static size_t find_starts(const bin_job *job, const shb_bins *bins, size_t *starts) {
     const size_t tiles = (size_t)bins->columns * bins->rows;
     memset(starts, 0, tiles * sizeof *starts);
     for (uint64_t id = 0; id < job->geometry->triangle_count; id++) {
@@ -82,17 +83,11 @@ static uint64_t find_starts(const bin_job *job, const shb_bins *bins, uint64_t *
             for (uint32_t column = range.first_column; column <= range.last_column; column++)
                 starts[(size_t)row * bins->columns + column]++;
     }
-    uint64_t sum = 0;
-    for (size_t tile = 0; tile < tiles; tile++) {
-        const uint64_t length = starts[tile];
-        starts[tile] = sum;
-        sum += length;
-    }
-    return sum;
+    return shb_starts_of_lengths(tiles, starts);
 }
 
 /* Every id moves its tiles' cursors on, which end up at the ends of the lists. */
-static void fill_lists(const bin_job *job, const shb_bins *bins, uint64_t *cursors, uint32_t *ids) {
+static void fill_lists(const bin_job *job, const shb_bins *bins, size_t *cursors, uint32_t *ids) {
     for (uint64_t id = 0; id < job->geometry->triangle_count; id++) {
         const tile_range range = job->ranges[id];
         for (uint32_t row = range.first_row; row <= range.last_row; row++)
@@ -112,14 +107,14 @@ bool shb_bin_triangles(shb_context *context, const shb_geometry *geometry, const
     if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_RANGES], count, sizeof(tile_range)) ||
         !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_STATS], blocks, sizeof(shb_draw_stats)) ||
         !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_ENDS], (size_t)bins->columns * bins->rows,
-                            sizeof(uint64_t)))
+                            sizeof(size_t)))
         return false;
     bin_job job = {geometry, target, tile_size, scratch[SHB_SCRATCH_RANGES].data,
                    scratch[SHB_SCRATCH_STATS].data};
     shb_parallel_for(context, prepare_block, &job, blocks);
     sum_stats(job.block_stats, blocks, stats);
-    uint64_t *ends = scratch[SHB_SCRATCH_ENDS].data;
-    const uint64_t entries = find_starts(&job, bins, ends);
+    size_t *ends = scratch[SHB_SCRATCH_ENDS].data;
+    const size_t entries = find_starts(&job, bins, ends);
     if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_IDS], entries, sizeof(uint32_t)))
         return false;
     fill_lists(&job, bins, ends, scratch[SHB_SCRATCH_IDS].data);

@@ -7,7 +7,7 @@
 typedef struct shb_bins {
     uint32_t tile_size;
     uint32_t columns, rows; /* of tiles */
-    const uint64_t *ends;   /* the list of tile t starts where that of tile t - 1 ends */
+    const size_t *ends;     /* the list of tile t starts where that of tile t - 1 ends */
     const uint32_t *ids;
 } shb_bins;
 

@@ -3,6 +3,7 @@
 #include "cluster_bin.h"
 
 #include "scratch.h"
+#include "starts.h"
 
 #include <string.h>
 
@@ -15,13 +16,7 @@ static size_t find_starts(const shb_chunks *chunks, int row_bits, size_t rows, s
              row++)
             starts[row]++;
     }
-    size_t sum = 0;
-    for (size_t row = 0; row < rows; row++) {
-        const size_t length = starts[row];
-        starts[row] = sum;
-        sum += length;
-    }
-    return sum;
+    return shb_starts_of_lengths(rows, starts);
 }
 
 /* Every cluster moves its rows' cursors on, which end up at the ends of the lists. */

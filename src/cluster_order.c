@@ -4,6 +4,7 @@
 
 #include "kernels/raster.h"
 #include "scene.h"
+#include "starts.h"
 
 #include <math.h>
 #include <string.h>
@@ -107,14 +108,10 @@ static void place_triangles(const shb_mesh *mesh, place *places) {
 
 /* One pass: stable, by one digit. */
 static void sort_by_digit(size_t count, const place *from, int shift, place *to) {
-    size_t starts[DIGITS] = {0}, sum = 0;
+    size_t starts[DIGITS] = {0};
     for (size_t i = 0; i < count; i++)
         starts[(from[i].key >> shift) % DIGITS]++;
-    for (size_t digit = 0; digit < DIGITS; digit++) {
-        const size_t size = starts[digit];
-        starts[digit] = sum;
-        sum += size;
-    }
+    shb_starts_of_lengths(DIGITS, starts);
     for (size_t i = 0; i < count; i++)
         to[starts[(from[i].key >> shift) % DIGITS]++] = from[i];
 }

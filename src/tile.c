@@ -17,7 +17,7 @@ typedef struct tile_job {
 } tile_job;
 
 static void draw_list(const tile_job *job, const shb_layers *layers, size_t tile) {
-    const uint64_t first = tile ? job->bins->ends[tile - 1] : 0, end = job->bins->ends[tile];
+    const size_t first = tile ? job->bins->ends[tile - 1] : 0, end = job->bins->ends[tile];
     if (first == end)
         return;
     const shb_draw_instance *instance = shb_geometry_instance(job->geometry, job->bins->ids[first]);
