@@ -4,6 +4,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
+#include "level_sort.h"
 #include "lists_scratch.h"
 
 /* A tile has at least this many cells for each of its triangles, as long as it has fewer than
@@ -13,8 +14,6 @@ enum { CELLS_PER_TRIANGLE = 1 };
 
 /* Room for entries that does for nearly every tile; where it does not, cells are larger. */
 enum { ENTRIES = (1 << 17) + 320 }; /* no multiple of a page, so that arrays do not collide */
-
-enum { DIGIT_BITS = 8, BUCKETS = 1 << DIGIT_BITS };
 
 typedef struct tile_job {
     shb_lists *lists;
@@ -53,30 +52,13 @@ size_t shb_list_tiles_divide(shb_list_tile *tiles, const shb_list_bins *bins) {
     return cells;
 }
 
-/* One pass of a radix sort by the digit at shift. */
-static void sort_pass(const uint64_t *from, uint64_t *to, size_t count, int shift) {
-    size_t starts[BUCKETS] = {0};
-    for (size_t i = 0; i < count; i++)
-        starts[from[i] >> shift & (BUCKETS - 1)]++;
-    size_t sum = 0;
-    for (size_t i = 0; i < BUCKETS; i++) {
-        const size_t here = starts[i];
-        starts[i] = sum;
-        sum += here;
-    }
-    for (size_t i = 0; i < count; i++)
-        to[starts[from[i] >> shift & (BUCKETS - 1)]++] = from[i];
-}
-
 /* The tile's triangles by level, those of equal level by id. */
 static void sort_triangles(const tile_job *job, size_t tile, uint64_t *keys) {
     size_t count;
     const uint32_t *numbers = shb_list_bin(job->bins, tile, &count);
-    uint64_t *spare = keys + job->bins->largest;
     for (size_t i = 0; i < count; i++)
         keys[i] = (uint64_t)job->bins->boxes[numbers[i]].level << 32 | numbers[i];
-    sort_pass(keys, spare, count, 32);
-    sort_pass(spare, keys, count, 32 + DIGIT_BITS);
+    shb_sort_by_level(count, keys, keys + job->bins->largest);
 }
 
 static void clear_cells(shb_list_cover *cover, int cell_bits) {

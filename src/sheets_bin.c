@@ -1,5 +1,6 @@
 #include "strict.h"
 
+#include "level_sort.h"
 #include "map.h"
 
 #include <string.h>
@@ -79,43 +80,13 @@ static uint64_t key_of(const shb_list_frame *frame, const shb_light_box *box, ui
     return (uint64_t)(limited > 0 ? limited : 0) << 32 | id;
 }
 
-/* By the byte of the key that begins at bit shift; equal ones keep their order. */
-static void sort_by_byte(const uint64_t *from, uint64_t *to, size_t count, int shift) {
-    size_t places[256] = {0}, sum = 0;
-    for (size_t i = 0; i < count; i++)
-        places[from[i] >> shift & 255]++;
-    for (int byte = 0; byte < 256; byte++) {
-        const size_t number = places[byte];
-        places[byte] = sum;
-        sum += number;
-    }
-    for (size_t i = 0; i < count; i++)
-        to[places[from[i] >> shift & 255]++] = from[i];
-}
-
-static void sort_few(uint64_t *keys, size_t count) {
-    for (size_t i = 1; i < count; i++) {
-        const uint64_t key = keys[i];
-        size_t at = i;
-        for (; at > 0 && keys[at - 1] > key; at--)
-            keys[at] = keys[at - 1];
-        keys[at] = key;
-    }
-}
-
 const uint64_t *shb_sheet_bin(const shb_sheet_bins *bins, const shb_list_frame *frame, size_t tile,
                               size_t *count) {
-    enum { FEW = 32 };
     const size_t begin = tile ? bins->ends[tile * PARTS - 1] : 0;
     uint64_t *keys = bins->keys + begin;
     *count = bins->ends[(tile + 1) * PARTS - 1] - begin;
     for (size_t i = 0; i < *count; i++)
         keys[i] = key_of(frame, &bins->boxes[keys[i]], keys[i]);
-    if (*count <= FEW) {
-        sort_few(keys, *count);
-        return keys;
-    }
-    sort_by_byte(keys, bins->spare + begin, *count, 32);
-    sort_by_byte(bins->spare + begin, keys, *count, 40);
+    shb_sort_by_level(*count, keys, bins->spare + begin);
     return keys;
 }
