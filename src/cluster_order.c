@@ -7,7 +7,6 @@
 #include "starts.h"
 
 #include <math.h>
-#include <string.h>
 
 /* The mesh's order stays unless the sum of its boxes is so many times that along the curve. */
 #define KEEPING 1.5

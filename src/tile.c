@@ -21,7 +21,7 @@ static void draw_list(const tile_job *job, const shb_layers *layers, size_t tile
     if (first == end)
         return;
     const shb_draw_instance *instance = shb_geometry_instance(job->geometry, job->bins->ids[first]);
-    for (uint64_t i = first; i < end; i++) {
+    for (size_t i = first; i < end; i++) {
         const uint32_t id = job->bins->ids[i];
         while (!shb_instance_has(instance, id))
             instance++;
