@@ -1,9 +1,7 @@
 #include "allocator.h"
-#include "random.h"
-#include "shadowbias/shadowbias.h"
+#include "random_use.h"
 #include "test.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,149 +11,81 @@
  * sets their number.
  */
 
-enum { VERTICES = 300, TRIANGLES = 600, POINTS = 400, INSTANCES = 3, USES = 250 };
+enum { USES = 250 };
 
-/* What a host hands over. */
-typedef struct usage {
-    float vertices[VERTICES * 3], positions[POINTS * 3], normals[POINTS * 3];
-    uint32_t wide[TRIANGLES * 3];
-    uint16_t narrow[TRIANGLES * 3];
-    shb_mesh mesh;
-    shb_instance instances[INSTANCES];
-    shb_scene scene;
-    shb_map_desc map;
-    shb_bias drawn_for, bias;
-    shb_filter filter;
-    shb_points points;
-    bool prepares;
-} usage;
+static const float untouched = -7;
+enum { UNTOUCHED = 77 };
 
 /* What comes of it: by which call it ended, how, and the answers. */
 typedef struct outcome {
-    int call;
+    const char *call;
     shb_result result;
+    bool classified, asked;
     shb_draw_stats stats;
-    float visibility[POINTS];
+    float visibility[USE_POINTS];
+    uint8_t certain[USE_POINTS];
+    uint8_t pixels[USE_WIDTH * USE_HEIGHT * 3];
 } outcome;
 
-static const float untouched = -7;
-
-static float absurd(test_random *random) {
-    static const float values[] = {NAN, INFINITY, -INFINITY, 0, 1e30f, -1e38f, 1e-40f, 16777216};
-    return values[random_below(random, sizeof values / sizeof *values)];
+static void clear(outcome *out) {
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < USE_POINTS; i++)
+        out->visibility[i] = untouched;
+    memset(out->certain, UNTOUCHED, sizeof out->certain);
+    memset(out->pixels, UNTOUCHED, sizeof out->pixels);
 }
 
-/* One number of rarity is absurd. */
-static float number(test_random *random, uint32_t rarity) {
-    return random_below(random, rarity) ? (float)random_double(random, -2, 2) : absurd(random);
+static bool goes_on(outcome *out, const char *call, shb_result result) {
+    out->call = call;
+    out->result = result;
+    return result == SHB_OK;
 }
 
-static void fill(test_random *random, uint32_t rarity, float *values, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        values[i] = number(random, rarity);
+static shb_result draw_camera(const random_use *use, shb_context *context, uint32_t *ids) {
+    const shb_draw_desc desc = {.view = &use->camera,
+                                .scene = &use->scene,
+                                .width = USE_WIDTH,
+                                .height = USE_HEIGHT,
+                                .ids = ids};
+    return shb_draw(context, &desc, NULL);
 }
 
-static void make_scene(test_random *random, uint32_t rarity, usage *use) {
-    const uint32_t vertices = 3 + random_below(random, VERTICES - 2);
-    const bool narrow = random_below(random, 2);
-    fill(random, rarity, use->vertices, VERTICES * 3);
-    for (int i = 0; i < TRIANGLES * 3; i++) {
-        use->wide[i] = random_below(random, vertices);
-        use->narrow[i] = (uint16_t)use->wide[i];
-    }
-    use->mesh = (shb_mesh){.positions = use->vertices,
-                           .vertex_count = vertices,
-                           .indices = narrow ? (const void *)use->narrow : use->wide,
-                           .index_size = narrow ? 2 : 4,
-                           .triangle_count = random_below(random, TRIANGLES + 1)};
-    for (int k = 0; k < INSTANCES; k++) {
-        use->instances[k] =
-            (shb_instance){.mesh = &use->mesh, .cull = (shb_cull)random_below(random, 3)};
-        double *m = use->instances[k].world_from_mesh.m;
-        for (int i = 0; k > 0 && i < 16; i++)
-            m[i] = i % 4 == 3 ? i == 15 : (double)number(random, 40 * rarity);
-    }
-    use->scene = (shb_scene){use->instances, random_below(random, INSTANCES + 1)};
-}
-
-static void make_map(test_random *random, uint32_t rarity, usage *use) {
-    use->map = (shb_map_desc){.width = 1 + random_below(random, 200),
-                              .height = random_below(random, 120),
-                              .format = (shb_format)random_below(random, 3),
-                              .occluders = (shb_occluders)random_below(random, 4),
-                              .occluder_memory = random_below(random, 4) ? 0 : 100000};
-    const bool reversed = random_below(random, 2);
-    const shb_vec3 up = {0, 1, 0}, target = {0, 0, 0};
-    const shb_vec3 eye = {(double)number(random, 20 * rarity), 5, 1};
-    const double near_distance = (double)fabsf(number(random, 20 * rarity)) + 0.01;
-    shb_view *view = &use->map.view;
-    shb_result result = SHB_OK;
-    switch (random_below(random, 3)) {
-    case 0:
-        result = shb_view_perspective(eye, target, up, 0.8, 1, near_distance, 20, reversed, view);
-        break;
-    case 1:
-        result =
-            shb_view_orthographic(eye, target, up, 2.5, 2.5, near_distance, 20, reversed, view);
-        break;
-    default:
-        for (int i = 0; i < 16; i++)
-            view->clip_from_world.m[i] = (double)number(random, 20 * rarity);
-    }
-    (void)result; /* a view that was refused is all zeros */
-}
-
-static shb_bias random_bias(test_random *random, uint32_t rarity) {
-    size_t count;
-    const shb_bias_method *methods = shb_bias_methods(&count);
-    shb_bias bias = random_below(random, 3) ? methods[random_below(random, (uint32_t)count)].make()
-                                            : shb_bias_exact();
-    for (int i = 0; i < SHB_PARAMS_MAX; i++)
-        bias.params[i] = random_below(random, rarity) ? bias.params[i] : absurd(random);
-    return bias;
-}
-
-static void make_question(test_random *random, uint32_t rarity, usage *use) {
-    size_t count;
-    const shb_filter_method *filters = shb_filter_methods(&count);
-    use->bias = random_bias(random, rarity);
-    use->drawn_for = random_below(random, 4) ? use->bias : random_bias(random, rarity);
-    use->filter = filters[random_below(random, (uint32_t)count)].make();
-    for (int i = 0; i < SHB_PARAMS_MAX; i++)
-        if (!random_below(random, rarity))
-            use->filter.params[i] = number(random, 2);
-    use->prepares = random_below(random, 8) != 0;
-    fill(random, rarity, use->positions, POINTS * 3);
-    fill(random, rarity, use->normals, POINTS * 3);
-    for (int i = 0; i < POINTS; i += 3) /* contacts */
-        memcpy(use->positions + 3 * i, use->vertices + 3 * (i % VERTICES), 3 * sizeof(float));
-    use->points = (shb_points){.count = random_below(random, POINTS + 1),
-                               .positions = use->positions,
-                               .normals = random_below(random, 8) ? use->normals : NULL};
-}
-
-static void make_usage(uint64_t seed, usage *use) {
-    test_random random = {seed};
-    const uint32_t rarity = random_below(&random, 3) ? 1000 : 12;
-    random_bits(&random);
-    make_scene(&random, rarity, use);
-    make_map(&random, rarity, use);
-    make_question(&random, rarity, use);
+static shb_result shade(const random_use *use, shb_context *context, const shb_map *map,
+                        const uint32_t *ids, uint8_t *pixels) {
+    shb_shade_light lights[USE_LIGHTS];
+    for (int k = 0; k < USE_LIGHTS; k++)
+        lights[k] = (shb_shade_light){map, &use->bias, &use->filter, {0.5f, 0.3f, (float)k}};
+    const shb_shade_desc desc = {.frame = {.view = &use->camera,
+                                           .scene = &use->scene,
+                                           .width = USE_WIDTH,
+                                           .height = USE_HEIGHT,
+                                           .ids = ids},
+                                 .lights = lights,
+                                 .light_count = use->light_count,
+                                 .shade = shb_shade_lambert,
+                                 .smooth_terminator = use->smooth_terminator,
+                                 .image = {pixels, USE_WIDTH, USE_HEIGHT, 0}};
+    return shb_shade(context, &desc);
 }
 
 /* Calls one function after the other until one fails. */
-static void use_map(const usage *use, shb_map *map, outcome *out) {
-    out->call = 2;
-    out->result = shb_map_draw(map, &use->scene, &use->drawn_for, &out->stats);
-    if (!out->result && use->prepares) {
-        out->call = 3;
-        out->result = shb_map_prepare(map, &use->filter);
+static void use_map(const random_use *use, shb_context *context, shb_map *map, outcome *out) {
+    static uint32_t ids[USE_WIDTH * USE_HEIGHT];
+    if (!goes_on(out, "draw", shb_map_draw(map, &use->scene, &use->drawn_for, &out->stats)))
+        return;
+    if (use->map.classifies) {
+        out->classified =
+            goes_on(out, "classify", shb_map_classify(map, &use->points, out->certain));
+        if (!out->classified)
+            return;
     }
-    if (!out->result) {
-        out->call = 4;
-        out->result =
-            shb_map_visibility(map, &use->points, &use->bias, &use->filter, out->visibility);
-    }
+    if (use->prepares && !goes_on(out, "prepare", shb_map_prepare(map, &use->filter)))
+        return;
+    out->asked =
+        goes_on(out, "ask",
+                shb_map_visibility(map, &use->points, &use->bias, &use->filter, out->visibility));
+    if (out->asked && goes_on(out, "camera", draw_camera(use, context, ids)))
+        goes_on(out, "shade", shade(use, context, map, ids, out->pixels));
 }
 
 static void count_sentences(void *user, shb_result result, const char *sentence) {
@@ -163,29 +93,25 @@ static void count_sentences(void *user, shb_result result, const char *sentence)
 }
 
 /* fail_at: the allocation that fails, or 0. Returns the number of allocations. */
-static size_t run(usage *use, bool scalar, size_t fail_at, outcome *out) {
+static size_t run(random_use *use, shb_isa isa, size_t fail_at, outcome *out) {
+    const bool scalar = isa == SHB_ISA_SCALAR;
     test_allocator allocator = {.fail_at = fail_at};
     int sentences = 0;
     const shb_context_desc desc = {.allocator = test_allocator_hooks(&allocator),
                                    .threads = scalar ? 1 : 3,
-                                   .max_isa = scalar ? SHB_ISA_SCALAR : SHB_ISA_BEST,
+                                   .max_isa = isa,
                                    .log = count_sentences,
                                    .log_user = &sentences};
     shb_context *context = NULL;
     shb_clusters *clusters = NULL;
     shb_map *map = NULL;
-    memset(out, 0, sizeof *out);
-    for (int i = 0; i < POINTS; i++)
-        out->visibility[i] = untouched;
-    out->result = shb_context_create(&desc, &context);
-    if (!out->result && !scalar)
-        CHECK_INT(shb_clusters_create(context, &use->mesh, &clusters), SHB_OK);
-    use->mesh.clusters = clusters;
-    if (!out->result) {
-        out->call = 1;
-        out->result = shb_map_create(context, &use->map, &map);
-        if (!out->result)
-            use_map(use, map, out);
+    clear(out);
+    if (goes_on(out, "context", shb_context_create(&desc, &context))) {
+        if (!scalar)
+            CHECK_INT(shb_clusters_create(context, &use->mesh, &clusters), SHB_OK);
+        use->mesh.clusters = clusters;
+        if (goes_on(out, "map", shb_map_create(context, &use->map, &map)))
+            use_map(use, context, map, out);
         CHECK((out->result != SHB_OK) == (sentences > 0));
     }
     shb_map_destroy(map);
@@ -195,14 +121,18 @@ static size_t run(usage *use, bool scalar, size_t fail_at, outcome *out) {
     return allocator.calls;
 }
 
-static bool answers_are_sound(const usage *use, const outcome *out) {
-    for (size_t i = 0; i < POINTS; i++) {
+/* Answers where the map was asked, and nothing written where it was not. */
+static bool answers_are_sound(const random_use *use, const outcome *out) {
+    const size_t certain = out->classified ? use->points.count : 0;
+    const size_t visible = out->asked ? use->points.count : 0;
+    for (size_t i = 0; i < USE_POINTS; i++) {
         const float visibility = out->visibility[i];
-        const bool answered = out->result == SHB_OK && i < use->points.count;
-        if (answered ? !(visibility >= 0 && visibility <= 1) : visibility != untouched)
+        if (i < certain ? out->certain[i] > SHB_LIGHT_SHADOWED : out->certain[i] != UNTOUCHED)
+            return false;
+        if (i < visible ? !(visibility >= 0 && visibility <= 1) : visibility != untouched)
             return false;
     }
-    return true;
+    return out->result == SHB_OK || out->pixels[0] == UNTOUCHED;
 }
 
 static size_t wanted_uses(void) {
@@ -210,24 +140,31 @@ static size_t wanted_uses(void) {
     return wanted ? (size_t)strtoull(wanted, NULL, 10) : USES;
 }
 
+static bool are_the_same(const outcome *a, const outcome *b) {
+    return memcmp(&a->stats, &b->stats, sizeof a->stats) == 0 &&
+           memcmp(a->visibility, b->visibility, sizeof a->visibility) == 0 &&
+           memcmp(a->certain, b->certain, sizeof a->certain) == 0 &&
+           memcmp(a->pixels, b->pixels, sizeof a->pixels) == 0;
+}
+
 TEST(random_uses_have_one_answer_or_an_error) {
-    static usage use;
+    static const shb_isa vectors[] = {SHB_ISA_BEST, SHB_ISA_AVX2, SHB_ISA_SSE2};
+    static random_use use;
     static outcome scalar, kernels;
     size_t answered = 0;
     for (uint64_t seed = 1; seed <= wanted_uses(); seed++) {
-        make_usage(seed, &use);
-        run(&use, true, 0, &scalar);
-        run(&use, false, 0, &kernels);
-        test_check(scalar.call == kernels.call && scalar.result == kernels.result, __FILE__,
-                   __LINE__, "use %llu: call %d gives %s by scalar code, call %d %s by kernels",
+        random_use_make(seed, &use);
+        run(&use, SHB_ISA_SCALAR, 0, &scalar);
+        run(&use, vectors[seed % 3], 0, &kernels);
+        test_check(strcmp(scalar.call, kernels.call) == 0 && scalar.result == kernels.result,
+                   __FILE__, __LINE__, "use %llu: %s gives %s by scalar code, %s %s by kernels",
                    (unsigned long long)seed, scalar.call, shb_result_string(scalar.result),
                    kernels.call, shb_result_string(kernels.result));
-        test_check(memcmp(scalar.visibility, kernels.visibility, sizeof scalar.visibility) == 0 &&
-                       memcmp(&scalar.stats, &kernels.stats, sizeof scalar.stats) == 0,
-                   __FILE__, __LINE__, "use %llu: kernels answer otherwise than scalar code",
-                   (unsigned long long)seed);
+        test_check(are_the_same(&scalar, &kernels), __FILE__, __LINE__,
+                   "use %llu: %s with filter %s answers otherwise by kernels than by scalar code",
+                   (unsigned long long)seed, use.bias.name, use.filter.name);
         test_check(answers_are_sound(&use, &kernels), __FILE__, __LINE__,
-                   "use %llu: %s with filter %s answers beyond 0 .. 1 or where it failed",
+                   "use %llu: %s with filter %s answers out of range or where it failed",
                    (unsigned long long)seed, use.bias.name, use.filter.name);
         answered += kernels.result == SHB_OK;
     }
@@ -237,13 +174,13 @@ TEST(random_uses_have_one_answer_or_an_error) {
 
 /* The error of memory, and no other: what else is wrong with the use would be found first. */
 TEST(random_uses_fail_cleanly_where_memory_ends) {
-    static usage use;
+    static random_use use;
     static outcome whole, cut;
     for (uint64_t seed = 1; seed <= wanted_uses() / 10; seed++) {
-        make_usage(seed, &use);
-        const size_t calls = run(&use, true, 0, &whole);
+        random_use_make(seed, &use);
+        const size_t calls = run(&use, SHB_ISA_SCALAR, 0, &whole);
         for (size_t fail_at = 1; fail_at <= calls; fail_at++) {
-            run(&use, true, fail_at, &cut);
+            run(&use, SHB_ISA_SCALAR, fail_at, &cut);
             test_check(cut.result == SHB_ERROR_MEMORY && answers_are_sound(&use, &cut), __FILE__,
                        __LINE__, "use %llu: %s where allocation %zu of %zu fails",
                        (unsigned long long)seed, shb_result_string(cut.result), fail_at, calls);
