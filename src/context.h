@@ -25,7 +25,7 @@ struct shb_context {
     const struct shb_shade_kernels *shade_kernels;
     shb_buffer draw_scratch[18];    /* drawing's own, named in scratch.h */
     shb_buffer map_scratch[4];      /* layers that a map combines */
-    shb_buffer occluder_scratch[3]; /* planes while a map is drawn */
+    shb_buffer occluder_scratch[12]; /* occluders of a map, named in map.h */
     shb_buffer list_scratch[16];    /* building lists, named in lists_scratch.h */
     shb_buffer sheet_scratch[6];    /* finding sheets, named in sheets_bin.h */
 };

@@ -129,39 +129,20 @@ static void see_triangles(void *arg, size_t task) {
     }
 }
 
-static bool reserve(shb_context *context, const shb_topology *topology, shb_light_mesh *mesh) {
-    shb_buffer *scratch = context->sheet_scratch;
-    const size_t vertices = topology->vertex_count, triangles = topology->triangle_count;
-    if (mesh->is_kept) {
-        mesh->vertices = shb_alloc(context, vertices, sizeof *mesh->vertices);
-        mesh->facing = shb_alloc(context, triangles, sizeof *mesh->facing);
-    } else if (shb_buffer_reserve(context, &scratch[SHB_SHEET_VERTICES], vertices,
-                                  sizeof *mesh->vertices) &&
-               shb_buffer_reserve(context, &scratch[SHB_SHEET_FACING], triangles,
-                                  sizeof *mesh->facing)) {
-        mesh->vertices = scratch[SHB_SHEET_VERTICES].data;
-        mesh->facing = scratch[SHB_SHEET_FACING].data;
-    }
-    return mesh->vertices && mesh->facing;
-}
-
-bool shb_light_mesh_make(shb_context *context, const shb_map_info *info,
-                         const shb_topology *topology, bool is_kept, shb_light_mesh *mesh,
+bool shb_light_mesh_make(const shb_context *context, const shb_map_info *info,
+                         const shb_topology *topology, shb_buffer memory[2], shb_light_mesh *mesh,
                          shb_light_box *boxes) {
-    *mesh = (shb_light_mesh){.topology = topology, .is_kept = is_kept};
+    *mesh = (shb_light_mesh){.topology = topology};
     mesh_job job = {mesh, boxes, shb_sheet_kernels_of(context->isa), NULL};
-    if (!reserve(context, topology, mesh) ||
-        shb_list_frame_init(&info->view, info->width, info->height, &mesh->frame) != SHB_OK ||
+    const size_t vertices = topology->vertex_count, triangles = topology->triangle_count;
+    if (!shb_buffer_reserve(context, &memory[0], vertices, sizeof *mesh->vertices) ||
+        !shb_buffer_reserve(context, &memory[1], triangles, sizeof *mesh->facing))
+        return false;
+    mesh->vertices = memory[0].data;
+    mesh->facing = memory[1].data;
+    if (shb_list_frame_init(&info->view, info->width, info->height, &mesh->frame) != SHB_OK ||
         !see_all_vertices(context, &job))
         return false;
-    shb_parallel_for(context, see_triangles, &job, tasks_of(topology->triangle_count));
+    shb_parallel_for(context, see_triangles, &job, tasks_of(triangles));
     return true;
-}
-
-void shb_light_mesh_release(const shb_context *context, shb_light_mesh *mesh) {
-    if (mesh->is_kept) {
-        shb_free(context, mesh->vertices);
-        shb_free(context, mesh->facing);
-    }
-    *mesh = (shb_light_mesh){0};
 }

@@ -17,7 +17,6 @@ enum {
 typedef struct shb_light_mesh {
     const shb_topology *topology;
     shb_list_frame frame;
-    bool is_kept;
     shb_list_vertex *vertices;
     int8_t *facing; /* by id */
 } shb_light_mesh;
@@ -29,13 +28,11 @@ typedef struct shb_light_box {
     float nearest;
 } shb_light_box;
 
-/* The mesh as the light of a map sees it. is_kept: in memory of its own, which is to be released;
- * otherwise in the context's scratch. boxes: NULL, or one a triangle, to be filled. False: out of
- * memory; what was allocated is left in *mesh. */
-bool shb_light_mesh_make(shb_context *context, const shb_map_info *info,
-                         const shb_topology *topology, bool is_kept, shb_light_mesh *mesh,
+/* The mesh as the light of a map sees it, in memory for vertices and for what is known of
+ * triangles. boxes: NULL, or one a triangle, to be filled. False: out of memory. */
+bool shb_light_mesh_make(const shb_context *context, const shb_map_info *info,
+                         const shb_topology *topology, shb_buffer memory[2], shb_light_mesh *mesh,
                          shb_light_box *boxes);
-void shb_light_mesh_release(const shb_context *context, shb_light_mesh *mesh);
 
 /* Writes the corners of a triangle. */
 void shb_light_mesh_corners(const shb_light_mesh *mesh, uint32_t id, uint32_t lane,

@@ -31,14 +31,13 @@ REAL_INLINE void REAL_NAME(cross)(const REAL *a, const REAL *b, REAL *product) {
     product[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* rounding: of the position's elements, relative; 0 for an exact position. The numbers mean nothing
- * where w is not positive. */
+/* Of a point whose w is known. rounding: of the position's elements, relative; 0 for an exact
+ * position. The numbers mean nothing where w is not positive. */
 REAL_INLINE REAL_NAME(light_point)
-    REAL_NAME(light_point_at)(const shb_light_rows *rows, const REAL p[3], double rounding) {
+    REAL_NAME(light_point_with)(const shb_light_rows *rows, const REAL p[3], double rounding,
+                                REAL w, REAL inverse_w) {
     REAL_NAME(light_point) point;
     const REAL zero = REAL_SPLAT(0.0);
-    const REAL w = SHB_DOT(rows->w, p) + rows->w[3];
-    const REAL inverse_w = 1.0 / w;
     const REAL size_w = DOT_ABS(rows->w, p);
     const REAL noise = 8 * SHB_DOUBLE_ROUNDING * inverse_w;
     const REAL noise_w = size_w + fabs(rows->w[3]);
@@ -59,6 +58,12 @@ REAL_INLINE REAL_NAME(light_point)
     point.error_y = noise * (DOT_ABS(rows->y, p) + fabs(rows->y[3]) + REAL_ABS(point.y) * noise_w);
     point.error_z = noise * (DOT_ABS(rows->z, p) + fabs(rows->z[3]) + REAL_ABS(point.z) * noise_w);
     return point;
+}
+
+REAL_INLINE REAL_NAME(light_point)
+    REAL_NAME(light_point_at)(const shb_light_rows *rows, const REAL p[3], double rounding) {
+    const REAL w = SHB_DOT(rows->w, p) + rows->w[3];
+    return REAL_NAME(light_point_with)(rows, p, rounding, w, 1.0 / w);
 }
 
 /* How far the true point may lie from a plane of these exact slopes that holds the calculated one,

@@ -7,8 +7,6 @@
 #include "light_mesh.h"
 #include "sheets.h"
 
-#include <stdatomic.h>
-
 /* What turns a world position into map coordinates, once per map, in double. */
 typedef struct shb_projection {
     double row_x[4], row_y[4], row_z[4], row_w[4]; /* rows of clip_from_world */
@@ -40,13 +38,39 @@ typedef struct shb_occluder_plane {
     double z, slope_x, slope_y, error;
 } shb_occluder_plane;
 
-/* One a triangle, while a map that keeps planes is drawn; those of triangles that no texel has seen
- * are not made. */
-typedef struct shb_occluder_scratch {
-    shb_occluder_plane *planes;
-    uint32_t *slopes; /* as texels hold them */
-    _Atomic uint8_t *seen;
-} shb_occluder_scratch;
+/* The instances of a scene, for their triangles' corners in the world. */
+typedef struct shb_placed_scene {
+    struct shb_placed_instance *instances;
+    size_t count;
+} shb_placed_scene;
+
+/* What threads make texels of planes with, in the context's occluder_scratch. */
+typedef struct shb_texel_scratch {
+    shb_placed_scene placed;
+    size_t lanes;
+    uint32_t rows;         /* of a band */
+    size_t triangles;      /* of the scene */
+    size_t band_triangles; /* the most that a band holds */
+    size_t bytes;
+} shb_texel_scratch;
+
+/* What the buffers of a context's occluder_scratch hold: what a map of triangles kept of an earlier
+ * drawing, for the next one, and what maps are drawn with. */
+enum {
+    SHB_OCCLUDER_PLANES,
+    SHB_OCCLUDER_VERTICES,
+    SHB_OCCLUDER_FACING,
+    SHB_OCCLUDER_KEPT, /* how many there are of these */
+    SHB_OCCLUDER_INSTANCES = SHB_OCCLUDER_KEPT,
+    SHB_OCCLUDER_PLACES,      /* of each lane: where triangles are among its band's */
+    SHB_OCCLUDER_BAND_IDS,    /* of each lane: the triangles of its band, */
+    SHB_OCCLUDER_BAND_PLANES, /* their planes, */
+    SHB_OCCLUDER_BAND_SLOPES, /* the same as texels hold them, */
+    SHB_OCCLUDER_RUNS,        /* the runs of them in each row, */
+    SHB_OCCLUDER_RUN_COLUMNS, /* where these begin, */
+    SHB_OCCLUDER_RUN_PLACES,  /* and of which triangles they are */
+    SHB_OCCLUDER_ROWS         /* of each lane: a row of depths */
+};
 
 /* What a map keeps of its occluders. */
 typedef struct shb_occluder_data {
@@ -55,13 +79,13 @@ typedef struct shb_occluder_data {
     size_t stride;     /* bytes */
     double slope_unit; /* a power of two */
     size_t plane_count;         /* triangles of the scene */
-    shb_occluder_plane *planes; /* in plane_buffer */
-    shb_buffer plane_buffer;
+    shb_occluder_plane *planes; /* in kept, as what mesh points to */
+    shb_buffer kept[SHB_OCCLUDER_KEPT];
     shb_topology topology; /* of the latest scene, kept for the next drawing */
     shb_light_mesh mesh;
     shb_sheets sheets;
     shb_sheet_bins bins; /* while a scene is drawn, as what follows */
-    shb_occluder_scratch scratch;
+    shb_texel_scratch scratch;
 } shb_occluder_data;
 
 /* What a filter made of the map's depths; by what, as in shb_filter. */

@@ -152,10 +152,10 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
     if (combines)
         combine_rows(map, bias, &drawn);
     set_lists(map, NULL);
-    if (prepares)
-        shb_occluders_finish(map, scene, keeps_texels, &occluders);
-    set_lists(map, lists);
     shb_prepared_release(map);
+    if (prepares)
+        shb_occluders_finish(map, keeps_texels, &occluders);
+    set_lists(map, lists);
     map->occluders.held = keeps;
     map->info.scene_scale = scene_scale;
     shb_map_set_method(map, bias);

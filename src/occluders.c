@@ -3,12 +3,11 @@
 #include "occluders.h"
 
 #include "format.h"
-#include "kernels/shade.h"
 #include "occluder_planes.h"
+#include "occluder_texels.h"
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 /* Depth changes by this much from texel to texel at the near plane, on a plane at 45 degrees to the
  * light's axis. */
@@ -51,26 +50,32 @@ bool shb_occluders_create(shb_map *map) {
     return data->texels != NULL;
 }
 
+/* All that a drawing makes, but a topology that stays. */
+static void release_drawn(const shb_context *context, shb_occluder_data *data) {
+    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++) {
+        shb_free(context, data->kept[i].data);
+        data->kept[i] = (shb_buffer){NULL, 0};
+    }
+    data->mesh = (shb_light_mesh){0};
+    data->planes = NULL;
+    data->plane_count = 0;
+}
+
 void shb_occluders_destroy(shb_map *map) {
-    shb_occluders_release(map, &map->occluders);
+    release_drawn(map->context, &map->occluders);
     shb_topology_release(map->context, &map->occluders.topology);
     shb_sheets_destroy(map->context, &map->occluders.sheets);
     shb_free(map->context, map->occluders.texels);
 }
 
-/* All that a drawing makes, but a topology that stays. */
-static void release_drawn(const shb_context *context, shb_occluder_data *data) {
-    shb_free(context, data->plane_buffer.data);
-    shb_light_mesh_release(context, &data->mesh);
-    data->plane_buffer = (shb_buffer){NULL, 0};
-    data->planes = NULL;
-    data->plane_count = 0;
-}
-
-void shb_occluders_release(const shb_map *map, shb_occluder_data *data) {
-    release_drawn(map->context, data);
-    if (data->topology.corners != map->occluders.topology.corners)
-        shb_topology_release(map->context, &data->topology);
+void shb_occluders_release(const shb_map *map, const shb_occluder_data *made) {
+    const shb_occluder_data *held = &map->occluders;
+    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
+        if (made->kept[i].data != held->kept[i].data)
+            shb_free(map->context, made->kept[i].data);
+    shb_topology topology = made->topology;
+    if (topology.corners != held->topology.corners)
+        shb_topology_release(map->context, &topology);
 }
 
 /* The map's own if the scene is the same. */
@@ -82,124 +87,85 @@ static bool find_topology(const shb_map *map, const shb_scene *scene, shb_topolo
            shb_topology_make(map->context, scene, key, topology);
 }
 
-/* Memory of an earlier drawing, if it is large enough. */
-static bool take_plane_buffer(shb_context *context, size_t count, shb_occluder_data *made) {
-    made->plane_buffer = context->occluder_scratch[0];
-    context->occluder_scratch[0] = (shb_buffer){NULL, 0};
-    if (!shb_buffer_reserve(context, &made->plane_buffer, count, sizeof *made->planes))
+/* Memory of an earlier drawing is taken from the context, and given back for the next one. */
+static void take_kept(shb_context *context, shb_occluder_data *made) {
+    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++) {
+        made->kept[i] = context->occluder_scratch[i];
+        context->occluder_scratch[i] = (shb_buffer){NULL, 0};
+    }
+}
+
+static void return_kept(shb_context *context, shb_occluder_data *data) {
+    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++) {
+        shb_free(context, context->occluder_scratch[i].data);
+        context->occluder_scratch[i] = data->kept[i];
+        data->kept[i] = (shb_buffer){NULL, 0};
+    }
+}
+
+/* What walks need: planes and the mesh as the light sees it. */
+static bool make_walked(const shb_map *map, const shb_scene *scene, shb_occluder_data *made) {
+    shb_placed_scene placed;
+    shb_buffer *planes = &made->kept[SHB_OCCLUDER_PLANES];
+    take_kept(map->context, made);
+    if (!shb_buffer_reserve(map->context, planes, made->plane_count, sizeof *made->planes) ||
+        !shb_placed_scene_make(map->context, scene, &placed) ||
+        !shb_light_mesh_make(map->context, &map->info, &made->topology,
+                             &made->kept[SHB_OCCLUDER_VERTICES], &made->mesh,
+                             map->classifies ? made->bins.boxes : NULL))
         return false;
-    made->planes = made->plane_buffer.data;
+    made->planes = planes->data;
+    shb_occluder_planes_make(map, &placed, made->plane_count, made->planes);
     return true;
 }
 
-/* For the next drawing. */
-static void return_plane_buffer(shb_context *context, shb_occluder_data *data) {
-    shb_free(context, context->occluder_scratch[0].data);
-    context->occluder_scratch[0] = data->plane_buffer;
-    data->plane_buffer = (shb_buffer){NULL, 0};
+/* A scene that is drawn again looks as it did before, but sheets want boxes of its triangles. */
+static bool is_known(const shb_map *map, const shb_occluder_data *made) {
+    return made->topology.corners == map->occluders.topology.corners && map->occluders.planes &&
+           !map->classifies;
+}
+
+static bool prepare_mesh(const shb_map *map, const shb_scene *scene, bool walks,
+                         shb_occluder_data *made) {
+    shb_context *context = map->context;
+    if (!find_topology(map, scene, &made->topology))
+        return false;
+    if (walks && is_known(map, made)) {
+        made->mesh = map->occluders.mesh;
+        made->planes = map->occluders.planes;
+        for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
+            made->kept[i] = map->occluders.kept[i];
+        return true;
+    }
+    return walks ? make_walked(map, scene, made)
+                 : shb_light_mesh_make(context, &map->info, &made->topology,
+                                       &context->sheet_scratch[SHB_SHEET_VERTICES], &made->mesh,
+                                       made->bins.boxes);
 }
 
 bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keeps,
                            shb_occluder_data *made) {
     const size_t count = (size_t)shb_scene_triangle_count(scene);
     const bool walks = keeps && map->info.occluders == SHB_OCCLUDERS_TRIANGLES;
-    const bool planes = keeps && (walks || map->info.occluders == SHB_OCCLUDERS_PLANES);
     *made = map->occluders;
     made->mesh = (shb_light_mesh){0};
     made->plane_count = count;
-    made->plane_buffer = (shb_buffer){NULL, 0};
     made->planes = NULL;
+    made->scratch = (shb_texel_scratch){.bytes = 0};
+    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
+        made->kept[i] = (shb_buffer){NULL, 0};
     bool done = true;
-    if (walks)
-        done = take_plane_buffer(map->context, count, made);
-    else if (planes)
-        done = shb_occluder_scratch_reserve(map->context, count, &made->scratch);
+    if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES)
+        done = shb_texel_scratch_reserve(map, scene, &made->scratch);
     if (done && map->classifies)
         done = shb_sheet_bins_reserve(map->context, &map->info, count, &made->bins);
     if (done && (walks || map->classifies))
-        done = find_topology(map, scene, &made->topology) &&
-               shb_light_mesh_make(map->context, &map->info, &made->topology, walks, &made->mesh,
-                                   map->classifies ? made->bins.boxes : NULL);
+        done = prepare_mesh(map, scene, walks, made);
     if (done && map->classifies)
         done = shb_sheet_bins_fill(map->context, &made->bins);
     if (!done)
         shb_occluders_release(map, made);
-    else if (walks)
-        shb_occluder_planes_make(map, scene, count, made->planes);
     return done;
-}
-
-/* The texels of a map that hold triangles' ids. */
-typedef struct texel_job {
-    const shb_map *map;
-    const shb_occluder_scratch *scratch;
-} texel_job;
-
-/* Texels are looked at this many at a time: most of these hold one triangle, or none. */
-enum { BLOCK = 64 };
-
-/* True if all texels of a block hold the id. */
-static bool is_uniform(const uint32_t *texels, uint32_t count, uint32_t id) {
-    uint32_t differ = 0;
-    for (uint32_t i = 0; i < count; i++)
-        differ |= texels[i] ^ id;
-    return differ == 0;
-}
-
-static uint32_t block_size(const shb_map *map, uint32_t first) {
-    return map->info.width - first < BLOCK ? map->info.width - first : BLOCK;
-}
-
-static void see_row(void *arg, size_t row) {
-    const texel_job *job = arg;
-    const uint32_t *texels = shb_occluder_row(job->map, (int32_t)row);
-    uint32_t latest = SHB_ID_NONE;
-    for (uint32_t first = 0; first < job->map->info.width; first += BLOCK) {
-        const uint32_t count = block_size(job->map, first);
-        if (is_uniform(texels + first, count, latest))
-            continue;
-        for (uint32_t i = first; i < first + count; i++) {
-            if (texels[i] != latest && texels[i] != SHB_ID_NONE)
-                atomic_store_explicit(&job->scratch->seen[texels[i]], 1, memory_order_relaxed);
-            latest = texels[i];
-        }
-    }
-}
-
-/* Depths and slopes take the place of ids; what holds none is as far as it was drawn. */
-static void resolve_row(void *arg, size_t row) {
-    const texel_job *job = arg;
-    const shb_map_info *info = &job->map->info;
-    const shb_resolve resolve = {.planes = job->scratch->planes,
-                                 .slopes = job->scratch->slopes,
-                                 .far_depth = shb_far_depth(info->view.reversed)};
-    uint32_t *texels = shb_occluder_row(job->map, (int32_t)row);
-    char *stored = (char *)job->map->depth.texels + row * job->map->depth.stride;
-    float depths[BLOCK + SHB_PLANE_LANES];
-    uint32_t slopes[BLOCK + SHB_PLANE_LANES];
-    for (uint32_t first = 0; first < info->width; first += BLOCK) {
-        const uint32_t count = block_size(job->map, first);
-        if (is_uniform(texels + first, count, SHB_ID_NONE)) {
-            memset(texels + first, 0, count * sizeof *texels);
-            continue;
-        }
-        job->map->context->shade_kernels->resolve(&resolve, (uint32_t)row, first, count,
-                                                  texels + first, depths, slopes);
-        memcpy(texels + first, slopes, count * sizeof *slopes);
-        shb_format_store(info->format, info->view.reversed, count, depths,
-                         stored + first * shb_format_size(info->format));
-    }
-}
-
-/* The planes of what the map sees, and of nothing else, are made after it was drawn. */
-static void resolve_map(shb_map *map, const shb_scene *scene, const shb_occluder_data *made) {
-    const shb_context *context = map->context;
-    texel_job job = {map, &made->scratch};
-    for (size_t i = 0; i < made->plane_count; i++)
-        atomic_init(&made->scratch.seen[i], 0);
-    shb_parallel_for(context, see_row, &job, map->info.height);
-    shb_occluder_planes_make_seen(map, scene, made->plane_count, &made->scratch);
-    shb_parallel_for(context, resolve_row, &job, map->info.height);
 }
 
 static size_t texel_bytes(const shb_map *map) {
@@ -215,12 +181,13 @@ static size_t scene_bytes(const shb_occluder_data *data) {
            shb_topology_bytes(&data->topology);
 }
 
-void shb_occluders_finish(shb_map *map, const shb_scene *scene, bool keeps,
-                          const shb_occluder_data *made) {
+void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *made) {
     const shb_context *context = map->context;
-    if (made->planes)
-        return_plane_buffer(map->context, &map->occluders);
-    release_drawn(context, &map->occluders);
+    const bool is_new = made->planes != map->occluders.planes;
+    if (is_new && made->planes)
+        return_kept(map->context, &map->occluders);
+    if (is_new)
+        release_drawn(context, &map->occluders);
     if (map->occluders.topology.corners != made->topology.corners)
         shb_topology_release(context, &map->occluders.topology);
     map->occluders = *made;
@@ -229,8 +196,8 @@ void shb_occluders_finish(shb_map *map, const shb_scene *scene, bool keeps,
     if (map->classifies)
         shb_sheets_find(map, &data->mesh, &data->bins);
     if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES)
-        resolve_map(map, scene, made);
+        shb_occluder_texels_resolve(map, &data->scratch);
     if (!keeps || map->info.occluders != SHB_OCCLUDERS_TRIANGLES)
         release_drawn(context, data);
-    map->info.memory_bytes = texel_bytes(map) + scene_bytes(data);
+    map->info.memory_bytes = texel_bytes(map) + scene_bytes(data) + data->scratch.bytes;
 }

@@ -15,11 +15,10 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
                            shb_occluder_data *made);
 
 /* Takes over what was prepared, after depths and ids (in the map's occluder texels) were drawn. */
-void shb_occluders_finish(shb_map *map, const shb_scene *scene, bool keeps,
-                          const shb_occluder_data *made);
+void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *made);
 
 /* Frees what was prepared and is not taken over. */
-void shb_occluders_release(const shb_map *map, shb_occluder_data *made);
+void shb_occluders_release(const shb_map *map, const shb_occluder_data *made);
 
 static inline uint32_t *shb_occluder_row(const shb_map *map, int32_t row) {
     return (uint32_t *)(void *)((char *)map->occluders.texels +

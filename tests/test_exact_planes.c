@@ -292,7 +292,7 @@ TEST(maps_of_planes_are_the_same_by_every_instruction_set_and_number_of_threads)
         draw_planes(soup_scene(&s), &desc, SHB_ISA_SCALAR, 1, expected);
         uint32_t held = 0;
         for (int k = 0; k < WIDTH; k++)
-            held += expected[HEIGHT * WIDTH + WIDTH + k] != 0;
+            held += expected[HEIGHT * WIDTH + WIDTH + k] != SHB_ID_NONE;
         CHECK(held > WIDTH / 4);
         for (uint32_t isa = SHB_ISA_SCALAR; isa <= SHB_ISA_NEON; isa++)
             for (uint32_t threads = 1; threads <= 3; threads += 2) {

@@ -48,7 +48,8 @@ typedef struct shb_map_info {
     uint32_t width, height;
     shb_format format;
     double scene_scale;  /* diagonal of the box of what was drawn, or as given in the description */
-    size_t memory_bytes; /* texels, padding and what is kept of occluders */
+    size_t memory_bytes; /* texels, padding, what is kept of occluders, and what the
+                            latest drawing of planes worked with, which the context keeps */
     double draw_seconds; /* that the latest drawing took, occluders included; 0: none yet */
     shb_occluders occluders;
 } shb_map_info;

@@ -42,12 +42,16 @@ typedef struct wide_plane {
 
 /* Anchored at the corner farthest from the light, which lies in front of it if anything does. */
 static inline ALWAYS_INLINE wide_plane plane_of(const shb_map *map, const shb_light_rows *rows,
-                                                const wd corners[3][3]) {
+                                                bool affine, const wd corners[3][3]) {
     const wd zero = wd_splat(0.0), one = wd_splat(1.0);
     wd in_front = one, w = zero, x[3], y[3], anchor[3];
     for (int k = 0; k < 3; k++) {
         const wd *p = corners[k];
-        const wd corner_w = row_at(rows->w, p[0], p[1], p[2]), inverse_w = 1.0 / corner_w;
+        wd corner_w = one, inverse_w = one;
+        if (!affine) {
+            corner_w = row_at(rows->w, p[0], p[1], p[2]);
+            inverse_w = 1.0 / corner_w;
+        }
         x[k] = row_at(rows->x, p[0], p[1], p[2]) * inverse_w;
         y[k] = row_at(rows->y, p[0], p[1], p[2]) * inverse_w;
         in_front = wd_where_greater(corner_w, zero, in_front, zero);
@@ -55,7 +59,8 @@ static inline ALWAYS_INLINE wide_plane plane_of(const shb_map *map, const shb_li
             anchor[i] = k == 0 ? p[i] : wd_where_greater(corner_w, w, p[i], anchor[i]);
         w = k == 0 ? corner_w : wd_where_greater(corner_w, w, corner_w, w);
     }
-    const wide_light_point point = wide_light_point_at(rows, anchor, 0);
+    const wide_light_point point = affine ? wide_light_point_with(rows, anchor, 0, one, one)
+                                          : wide_light_point_at(rows, anchor, 0);
     wd normal[3], normal_error[3];
     normal_of(corners, normal, normal_error);
     const wide_light_slopes slopes = wide_light_slopes_of(rows, &point, normal, normal_error);
@@ -74,68 +79,97 @@ static inline ALWAYS_INLINE wide_plane plane_of(const shb_map *map, const shb_li
                         wd_where_greater(usable, zero, error, wd_splat((double)INFINITY))};
 }
 
-static void find_planes(const shb_map *map, size_t count, const shb_plane_corners *corners,
-                        shb_occluder_plane planes[SHB_PLANE_LANES]) {
+static inline ALWAYS_INLINE void find_planes_as(const shb_map *map, bool affine, size_t count,
+                                                const shb_plane_corners *corners,
+                                                shb_occluder_plane *planes) {
     const shb_light_rows rows = map->rows;
     for (size_t i = 0; i < count; i += DOUBLES) {
         wd at[3][3];
         for (int k = 0; k < 3; k++)
             for (int axis = 0; axis < 3; axis++)
                 at[k][axis] = wd_load(corners->at[k][axis] + i);
-        const wide_plane wide = plane_of(map, &rows, (const wd(*)[3])at);
+        const wide_plane wide = plane_of(map, &rows, affine, (const wd(*)[3])at);
         double z[DOUBLES], slope_x[DOUBLES], slope_y[DOUBLES], error[DOUBLES];
         wd_store(z, wide.z);
         wd_store(slope_x, wide.slope_x);
         wd_store(slope_y, wide.slope_y);
         wd_store(error, wide.error);
-        for (size_t k = 0; k < DOUBLES; k++)
+        for (size_t k = 0; k < DOUBLES && i + k < count; k++)
             planes[i + k] = (shb_occluder_plane){z[k], slope_x[k], slope_y[k], error[k]};
     }
 }
 
+static void find_planes(const shb_map *map, size_t count, const shb_plane_corners *corners,
+                        shb_occluder_plane *planes) {
+    if (map->projection.affine)
+        find_planes_as(map, true, count, corners, planes);
+    else
+        find_planes_as(map, false, count, corners, planes);
+}
+
 /* Rounded away from the light, by less than two units in the last place, and no farther than the
  * far depth. */
-static inline ALWAYS_INLINE void store_depths(wd depth, double far_depth, float *out) {
+static inline ALWAYS_INLINE void store_depths(wd depth, double far_depth, bool negates,
+                                              float *out) {
     depth = wd_min(depth, wd_splat(far_depth));
     wd_store_floats(out, depth);
     const wd rounded = wd_load_floats(out);
-    wd_store_floats(out,
-                    wd_where_greater(depth, rounded, rounded + wd_abs(rounded) * 0x1p-23, rounded));
+    depth = wd_where_greater(depth, rounded, rounded + wd_abs(rounded) * 0x1p-23, rounded);
+    if (negates)
+        depth = 0.0 - depth;
+    wd_store_floats(out, depth);
 }
 
-/* The end of the run of texels that hold one triangle. */
-static inline ALWAYS_INLINE uint32_t run_end(const uint32_t *ids, uint32_t i, uint32_t count) {
-    const vu id = ids[i] - (vu){0};
-    uint32_t end = i + 1;
-    for (; end + WIDE <= count; end += WIDE) {
-        const vi differs = (vi)((vu)vi_load((const int32_t *)(const void *)(ids + end)) != id);
-        if (vi_any(differs))
-            break;
+/* Appends the numbers of the bits that are set, of four from number first on. */
+static inline ALWAYS_INLINE size_t add_columns(uint32_t bits, uint32_t first, uint16_t *columns,
+                                               size_t found) {
+    static const uint16_t set[16][4] = {
+        {0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
+        {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+    static const uint8_t counts[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+    uint64_t four;
+    memcpy(&four, set[bits], sizeof four);
+    four += first * 0x0001000100010001u;
+    memcpy(columns + found, &four, sizeof four);
+    return found + counts[bits];
+}
+
+/* The texels from which on a row holds another triangle than to the left. */
+static size_t find_columns(const uint32_t *ids, uint32_t count, uint16_t *columns) {
+    size_t found = 1;
+    columns[0] = 0;
+    for (uint32_t i = 1; i < count; i += WIDE) {
+        const int32_t *own = (const int32_t *)(const void *)(ids + i);
+        uint32_t starts = vi_bits(vi_load(own) != vi_load(own - 1));
+        if (count - i < WIDE)
+            starts &= (1u << (count - i)) - 1;
+        for (uint32_t k = 0; starts; starts >>= 4, k += 4)
+            found = add_columns(starts & 15, i + k, columns, found);
     }
-    while (end < count && ids[end] == ids[i])
-        end++;
-    return end;
+    return found;
 }
 
-/* Runs of one triangle are written by whole vectors, which the next ones write over. */
-static void resolve_texels(const shb_resolve *job, uint32_t row, uint32_t first, uint32_t count,
-                           const uint32_t *ids, float *depths, uint32_t *slopes) {
+/* Runs are written by whole vectors, the first of which the next run writes over. */
+static void resolve_runs(const shb_resolve *job, uint32_t row, const shb_texel_runs *runs,
+                         float *depths, uint32_t *texels) {
     static const double centers[8] = {0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5};
     const wd ramp = wd_load(centers);
     const double y = row + 0.5, far_depth = (double)job->far_depth;
-    for (uint32_t i = 0, end; i < count; i = end) {
-        const uint32_t id = ids[i];
-        end = run_end(ids, i, count);
-        const shb_occluder_plane nothing = {far_depth, 0, 0, 0};
-        const shb_occluder_plane plane = id == SHB_ID_NONE ? nothing : job->planes[id];
-        const uint32_t packed = id == SHB_ID_NONE ? 0 : job->slopes[id];
+    const shb_occluder_plane nothing = {far_depth, 0, 0, 0};
+    for (size_t i = 0; i < runs->count; i++) {
+        const uint32_t place = runs->places[i], first = runs->columns[i];
+        const bool is_empty = place == SHB_ID_NONE;
+        const uint32_t end = is_empty ? first + 1 : runs->columns[i + 1];
+        const shb_occluder_plane plane = is_empty ? nothing : job->planes[place];
+        const int32_t packed = (int32_t)(is_empty ? SHB_ID_NONE : job->slopes[place]);
         const double rise = plane.slope_y * y;
-        for (uint32_t k = i; k < end; k += DOUBLES) {
-            const wd x = ramp + (double)(first + k);
-            store_depths(((plane.z + plane.slope_x * x) + rise) + plane.error, far_depth,
-                         depths + k);
-            for (uint32_t lane = 0; lane < DOUBLES; lane++)
-                slopes[k + lane] = packed;
+        for (uint32_t k = first; k < end; k += WIDE) {
+            for (uint32_t part = k; part < k + WIDE; part += DOUBLES) {
+                const wd x = ramp + (double)(int32_t)part;
+                store_depths(((plane.z + plane.slope_x * x) + rise) + plane.error, far_depth,
+                             job->negates, depths + part);
+            }
+            vi_store((int32_t *)(void *)(texels + k), vi_splat(packed));
         }
     }
 }

@@ -11,6 +11,7 @@ static void *counted_alloc(void *user, size_t size, size_t alignment) {
     if (posix_memalign(&memory, alignment, size))
         return NULL;
     state->live++;
+    state->bytes += size;
     return memory;
 }
 

@@ -6,6 +6,7 @@
 
 typedef struct test_allocator {
     size_t calls;   /* allocations asked for */
+    size_t bytes;   /* of all that were granted */
     size_t live;    /* allocations not freed yet */
     size_t fail_at; /* the call (from 1) that returns NULL, and every later one; 0: none */
 } test_allocator;

@@ -1,0 +1,133 @@
+/* What a map's occluders take of memory, and what is kept of them from one drawing to the next. */
+#include "allocator.h"
+#include "probe.h"
+#include "soup.h"
+#include "test.h"
+
+#include <stdlib.h>
+
+enum { SIZE = 64 };
+
+typedef struct host {
+    test_allocator allocator;
+    shb_context *context;
+    shb_map *map;
+} host;
+
+static void open_host(host *h, shb_occluders occluders) {
+    *h = (host){.map = NULL};
+    const shb_context_desc desc = {.allocator = test_allocator_hooks(&h->allocator), .threads = 1};
+    CHECK_INT(shb_context_create(&desc, &h->context), SHB_OK);
+    const shb_map_desc map = {
+        .view = probe_orthographic(false), .width = SIZE, .occluders = occluders};
+    CHECK_INT(shb_map_create(h->context, &map, &h->map), SHB_OK);
+}
+
+static void close_host(host *h) {
+    shb_map_destroy(h->map);
+    shb_context_destroy(h->context);
+    CHECK_INT(h->allocator.live, 0);
+}
+
+/* A floor at z = 0 and a plate over its left half at z = height, seen from above. */
+static void add_plate(soup *s, float height) {
+    soup_add_quad(s, (float[]){-1, -1, 0}, (float[]){1, -1, 0}, (float[]){1, 1, 0},
+                  (float[]){-1, 1, 0});
+    soup_add_quad(s, (float[]){-1, -1, height}, (float[]){0, -1, height}, (float[]){0, 1, height},
+                  (float[]){-1, 1, height});
+}
+
+static size_t memory_of(const host *h) {
+    return shb_map_get_info(h->map)->memory_bytes;
+}
+
+/* Of a point halfway between floor and plate. */
+static float visibility_below(const host *h, float x) {
+    static const float up[3] = {0, 0, 1};
+    const float point[3] = {x, 0, 0.25f};
+    const shb_points points = {.count = 1, .positions = point, .normals = up};
+    const shb_bias exact = shb_bias_exact();
+    float visibility = 7;
+    CHECK_INT(shb_map_visibility(h->map, &points, &exact, NULL, &visibility), SHB_OK);
+    return visibility;
+}
+
+TEST(planes_count_what_their_drawing_takes_beside_the_texels) {
+    static uint32_t ids[SIZE * SIZE];
+    static float depths[SIZE * SIZE];
+    soup s = {0};
+    add_plate(&s, 0.5f);
+    host h;
+    open_host(&h, SHB_OCCLUDERS_PLANES);
+    const size_t texels = memory_of(&h);
+    const shb_draw_desc desc = {.view = &shb_map_get_info(h.map)->view,
+                                .scene = soup_scene(&s),
+                                .width = SIZE,
+                                .height = SIZE,
+                                .depth = {.texels = depths},
+                                .ids = ids};
+    CHECK_INT(shb_draw(h.context, &desc, NULL), SHB_OK);
+    const size_t before = h.allocator.bytes;
+    CHECK_INT(shb_map_draw(h.map, soup_scene(&s), NULL, NULL), SHB_OK);
+    const size_t taken = h.allocator.bytes - before;
+    CHECK(taken > 0);
+    CHECK_INT(memory_of(&h), texels + taken);
+    CHECK_INT(shb_map_draw(h.map, soup_scene(&s), NULL, NULL), SHB_OK);
+    CHECK_INT(h.allocator.bytes, before + taken);
+    CHECK_INT(memory_of(&h), texels + taken);
+    soup_free(&s);
+    close_host(&h);
+}
+
+TEST(what_was_prepared_no_longer_counts_when_occluders_are_drawn_again) {
+    soup s = {0};
+    add_plate(&s, 0.5f);
+    const shb_filter soft = shb_filter_pcss(0.1f, 9, 9, SHB_TAPS_PLANE);
+    for (int i = SHB_OCCLUDERS_PLANES; i <= SHB_OCCLUDERS_LISTS; i++) {
+        host h;
+        open_host(&h, (shb_occluders)i);
+        CHECK_INT(shb_map_draw(h.map, soup_scene(&s), NULL, NULL), SHB_OK);
+        const size_t drawn = memory_of(&h);
+        CHECK_INT(shb_map_prepare(h.map, &soft), SHB_OK);
+        CHECK(memory_of(&h) > drawn);
+        CHECK_INT(shb_map_draw(h.map, soup_scene(&s), NULL, NULL), SHB_OK);
+        CHECK_INT(memory_of(&h), drawn);
+        close_host(&h);
+    }
+    soup_free(&s);
+}
+
+TEST(triangles_of_a_scene_that_is_drawn_again_are_not_made_again) {
+    soup s = {0};
+    add_plate(&s, 0.5f);
+    host h;
+    open_host(&h, SHB_OCCLUDERS_TRIANGLES);
+    CHECK_INT(shb_map_draw(h.map, soup_scene(&s), NULL, NULL), SHB_OK);
+    const size_t calls = h.allocator.calls, bytes = memory_of(&h);
+    CHECK_INT(shb_map_draw(h.map, soup_scene(&s), NULL, NULL), SHB_OK);
+    CHECK_INT(h.allocator.calls, calls);
+    CHECK_INT(memory_of(&h), bytes);
+    CHECK(visibility_below(&h, -0.5f) == 0 && visibility_below(&h, 0.5f) == 1);
+    soup_free(&s);
+    close_host(&h);
+}
+
+TEST(triangles_follow_a_scene_that_changes_and_come_back) {
+    const shb_bias constant = shb_bias_constant(0, SHB_UNIT_DEPTH);
+    soup high = {0}, low = {0};
+    add_plate(&high, 0.5f);
+    add_plate(&low, 0.125f);
+    host h;
+    open_host(&h, SHB_OCCLUDERS_TRIANGLES);
+    for (int i = 0; i < 6; i++) {
+        soup *drawn = i % 3 == 2 ? &low : &high;
+        if (i == 4)
+            CHECK_INT(shb_map_draw(h.map, soup_scene(drawn), &constant, NULL), SHB_OK);
+        CHECK_INT(shb_map_draw(h.map, soup_scene(drawn), NULL, NULL), SHB_OK);
+        CHECK(visibility_below(&h, -0.5f) == (drawn == &high ? 0 : 1));
+        CHECK(visibility_below(&h, 0.5f) == 1);
+    }
+    soup_free(&high);
+    soup_free(&low);
+    close_host(&h);
+}
