@@ -2,7 +2,6 @@
 
 #include "cells.h"
 
-#include "format.h"
 #include "scratch.h"
 
 static size_t round_to_blocks(size_t samples) {
@@ -25,11 +24,11 @@ float *shb_cells_reserve(shb_context *context, size_t count, size_t width, size_
                : NULL;
 }
 
-void shb_cells_clear(const shb_tile *tile, bool reversed) {
+void shb_cells_reset(const shb_tile *tile) {
     const size_t count =
         shb_cells_count((size_t)(tile->x1 - tile->x0), (size_t)(tile->y1 - tile->y0));
     for (size_t i = 0; i < count; i++)
-        tile->cells[i] = shb_far_depth(reversed);
+        tile->cells[i] = SHB_NOT_CLEARED;
     for (size_t i = 0; tile->second_cells && i < count; i++)
-        tile->second_cells[i] = shb_far_depth(reversed);
+        tile->second_cells[i] = SHB_NOT_CLEARED;
 }

@@ -15,7 +15,7 @@ size_t shb_cells_count(size_t width, size_t height);
  * other; NULL: out of memory. */
 float *shb_cells_reserve(shb_context *context, size_t count, size_t width, size_t height);
 
-/* Nothing is drawn yet: every bound is the far depth. */
-void shb_cells_clear(const shb_tile *tile, bool reversed);
+/* Nothing is cleared yet. */
+void shb_cells_reset(const shb_tile *tile);
 
 #endif

@@ -223,12 +223,11 @@ static size_t draw_clusters(const tile_job *job, size_t row, const shb_layers *l
 
 static void draw_tile(tile_job *job, size_t lane, size_t number) {
     const shb_layers layers = layers_of(job, lane, tile_samples(job, number));
-    const shb_tile tile = shb_layers_tile(&layers);
-    shb_layers_clear(&layers, job->desc->view->reversed);
-    shb_cells_clear(&tile, job->desc->view->reversed);
+    const shb_tile tile = shb_layers_tile(&layers, job->desc->view->reversed);
     draw_binned(job, number, &tile);
     const size_t drawn = draw_clusters(job, number / job->bins.columns, &layers, &tile);
     atomic_fetch_add(&job->drawn, drawn);
+    job->kernels->clear(&tile);
     draw_coded(job, &layers);
     shb_layers_store(&layers, job->desc);
 }

@@ -2,6 +2,8 @@
 
 #include "chunk_whole.h"
 
+#include "format.h"
+
 #include <stdatomic.h>
 
 /* More threads would spend their time on merging. */
@@ -20,16 +22,17 @@ typedef struct whole_job {
     atomic_size_t next; /* chunk that nobody has begun */
 } whole_job;
 
-shb_tile shb_layers_tile(const shb_layers *layers) {
+shb_tile shb_layers_tile(const shb_layers *layers, bool reversed) {
     const shb_samples *samples = &layers->samples;
     const int32_t width = samples->last_column - samples->first_column + 1;
     const size_t columns = (size_t)width;
     const size_t rows = (size_t)(samples->last_row - samples->first_row + 1);
-    return (shb_tile){
+    const shb_tile tile = {
         .depth = layers->nearest,
         .second = layers->second,
         .ids = layers->ids,
         .stride = (ptrdiff_t)layers->pitch,
+        .far_depth = shb_far_depth(reversed),
         .cells = layers->cells,
         .second_cells = layers->second ? layers->cells + shb_cells_count(columns, rows) : NULL,
         .cell_stride = (ptrdiff_t)shb_cells_stride(columns),
@@ -39,19 +42,20 @@ shb_tile shb_layers_tile(const shb_layers *layers) {
         .x1 = samples->first_column + (width + 15) / 16 * 16,
         .y1 = samples->last_row + 1,
     };
+    shb_cells_reset(&tile);
+    return tile;
 }
 
 static void run_lane(void *arg, size_t index) {
     whole_job *job = arg;
-    const shb_tile tile = shb_layers_tile(&job->lanes[index]);
+    const shb_tile tile = shb_layers_tile(&job->lanes[index], job->reversed);
     const shb_chunk *chunks = job->chunks->chunks;
     const size_t count = job->chunks->count;
     uint64_t drawn = 0;
-    shb_layers_clear(&job->lanes[index], job->reversed);
-    shb_cells_clear(&tile, job->reversed);
     for (size_t first; (first = atomic_fetch_add(&job->next, CHUNKS_AT_ONCE)) < count;)
         for (size_t i = first; i < count && i < first + CHUNKS_AT_ONCE; i++)
             drawn += job->kernels->draw(&chunks[i], &tile);
+    job->kernels->clear(&tile);
     job->drawn[index] = drawn;
 }
 

@@ -8,8 +8,8 @@
 #include "chunk.h"
 #include "layers.h"
 
-/* The part of the target that the layers hold, for the kernels. */
-shb_tile shb_layers_tile(const shb_layers *layers);
+/* The part of the target that the layers hold, for the kernels. Nothing of it is cleared yet. */
+shb_tile shb_layers_tile(const shb_layers *layers, bool reversed);
 
 /* Clears layers, which are those of the whole target and part of its images, and draws all chunks
  * into them. Adds how many triangles were drawn to *drawn. false: out of memory, the images are

@@ -3,16 +3,23 @@
  * Before inclusion the instruction set's file has defined NARROW and WIDE (the numbers of lanes for
  * small and for larger triangles) and included k_rows.inl for each of them. */
 
-/* How a triangle is drawn. 1 .. ROWS_MAX: plain, one narrow vector wide, that many rows. */
+/* How a triangle is drawn. Rows are plain and lie in the tile: in one narrow vector 1 .. 8 rows or
+ * an even number of up to 16, in PAIR samples an even number of up to 16. */
 enum {
     CLASS_NONE = 0,
-    ROWS_MAX = 8,
+    CLASS_NARROW = 1,  /* one row; twelve classes */
+    CLASS_PAIR = 13,   /* two rows; eight classes */
+    CLASS_SINGLE = 21, /* one sample */
     CLASS_TINY,
     CLASS_SMALL,
     CLASS_SMALL_CAREFUL,
     CLASS_LARGE,
     CLASS_LARGE_CAREFUL
 };
+
+#define PAIR (2 * NARROW)
+#define ROWS_EXACT 8
+#define ROWS_MAX 16
 
 /* Comparisons are written as signs of differences, which stay within 2^17: vectors of integers. */
 static void classify(int count, const shb_tile *tile, const chunk_boxes *restrict boxes,
@@ -22,21 +29,30 @@ static void classify(int count, const shb_tile *tile, const chunk_boxes *restric
     for (int t = 0; t < lanes_of(count); t++) {
         const int32_t x = boxes->x[t], y = boxes->y[t];
         const int32_t width = boxes->width[t], height = boxes->height[t];
+        const int32_t pairs = (height + 1) >> 1;
         const int32_t not_small = (SHB_SMALL - width) | (SHB_SMALL - height);
-        const int32_t outside = (x - x0) | (y - y0) | (x1 - x - width) | (y1 - y - height);
-        const int32_t not_rows = outside | (NARROW - width) | (ROWS_MAX - height);
-        const int32_t not_tiny =
-            not_rows | (2 - width) | (2 - height) | (x1 - x - 2) | (y1 - y - 2);
+        const int32_t outside = (x - x0) | (y - y0) | (x1 - x - width) | (y1 - y - 2 * pairs);
+        const int32_t not_rows = outside | (PAIR - width) | (ROWS_MAX - height);
+        const int32_t not_tiny = outside | (2 - width) | (2 - height) | (x1 - x - 2);
+        const int32_t not_single = not_tiny | (1 - width) | (1 - height);
         const int32_t careful = not_small < 0 ? CLASS_LARGE_CAREFUL : CLASS_SMALL_CAREFUL;
+        const int32_t even = CLASS_NARROW + ROWS_EXACT / 2 - 1 + pairs;
+        const int32_t narrow = ROWS_EXACT - height < 0 ? even : CLASS_NARROW - 1 + height;
+        const int32_t rows = NARROW - width < 0 ? CLASS_PAIR - 1 + pairs : narrow;
         int32_t class = not_small < 0 ? CLASS_LARGE : CLASS_SMALL;
-        class = not_rows < 0 ? class : height;
+        class = not_rows < 0 ? class : rows;
         class = not_tiny < 0 ? class : CLASS_TINY;
+        class = not_single < 0 ? class : CLASS_SINGLE;
         class = planes->plain[t] == 0 ? careful : class;
         wide[t] = boxes->kept[t] == 0 ? CLASS_NONE : class;
     }
     for (int t = 0; t < lanes_of(count); t++)
         classes[t] = (uint8_t)wide[t];
     memset(classes + lanes_of(count), CLASS_NONE, (size_t)(SHB_CHUNK - lanes_of(count)));
+}
+
+static bool has_class(const uint8_t classes[SHB_CHUNK], uint8_t class) {
+    return (wide_equal_bytes(classes, class) | wide_equal_bytes(classes + 64, class)) != 0;
 }
 
 /* The four samples of each tiny triangle: its depth, or beyond the far depth where it is outside.
@@ -84,6 +100,15 @@ static inline __attribute__((always_inline)) void draw_tiny(const shb_tile *tile
     merge_sample(tile, layers, at + tile->stride + 1, samples->depth[3][t], id);
 }
 
+/* The only sample of a triangle that covers it. */
+static inline __attribute__((always_inline)) void draw_single(const shb_tile *tile, int layers,
+                                                              const chunk_boxes *boxes,
+                                                              const chunk_planes *planes, int t,
+                                                              uint32_t id) {
+    const ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + boxes->x[t] - tile->x0;
+    merge_sample(tile, layers, at, planes->depth[t], id);
+}
+
 /* Calls draw for every triangle of the half chunk that is of the class. */
 #define FOR_CLASS(class, draw)                                                                     \
     for (uint64_t members = wide_equal_bytes(classes + half, (class)); members;                    \
@@ -95,23 +120,40 @@ static inline __attribute__((always_inline)) void draw_tiny(const shb_tile *tile
 
 #define NARROW_DRAW(name) SHB_JOIN(name, NARROW)
 #define WIDE_DRAW(name) SHB_JOIN(name, WIDE)
-#define DRAW_ROWS(rows)                                                                            \
-    FOR_CLASS(rows, NARROW_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, rows))
+#define DRAW_NARROW(class, rows)                                                                   \
+    FOR_CLASS(CLASS_NARROW - 1 + (class),                                                          \
+              NARROW_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, NARROW, rows))
+#define DRAW_PAIR(rows)                                                                            \
+    FOR_CLASS(CLASS_PAIR - 1 + (rows) / 2,                                                         \
+              WIDE_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, PAIR, rows))
 
 static inline __attribute__((always_inline)) void
 draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
              const chunk_boxes *boxes, const chunk_planes *planes, const tiny_samples *samples,
              const uint8_t classes[SHB_CHUNK]) {
     for (int half = 0; half < SHB_CHUNK; half += 64) {
+        FOR_CLASS(CLASS_SINGLE, draw_single(tile, layers, boxes, planes, t, id))
         FOR_CLASS(CLASS_TINY, draw_tiny(tile, layers, boxes, samples, t, id))
-        DRAW_ROWS(1)
-        DRAW_ROWS(2)
-        DRAW_ROWS(3)
-        DRAW_ROWS(4)
-        DRAW_ROWS(5)
-        DRAW_ROWS(6)
-        DRAW_ROWS(7)
-        DRAW_ROWS(8)
+        DRAW_NARROW(1, 1)
+        DRAW_NARROW(2, 2)
+        DRAW_NARROW(3, 3)
+        DRAW_NARROW(4, 4)
+        DRAW_NARROW(5, 5)
+        DRAW_NARROW(6, 6)
+        DRAW_NARROW(7, 7)
+        DRAW_NARROW(8, 8)
+        DRAW_NARROW(9, 10)
+        DRAW_NARROW(10, 12)
+        DRAW_NARROW(11, 14)
+        DRAW_NARROW(12, 16)
+        DRAW_PAIR(2)
+        DRAW_PAIR(4)
+        DRAW_PAIR(6)
+        DRAW_PAIR(8)
+        DRAW_PAIR(10)
+        DRAW_PAIR(12)
+        DRAW_PAIR(14)
+        DRAW_PAIR(16)
         FOR_CLASS(CLASS_SMALL, WIDE_DRAW(draw_small)(tile, layers, boxes, planes, t, id, true))
         FOR_CLASS(CLASS_SMALL_CAREFUL,
                   WIDE_DRAW(draw_small)(tile, layers, boxes, planes, t, id, false))
@@ -137,7 +179,8 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const cor
     uint32_t ids[SHB_CHUNK];
     set_up_depths(count, corners, boxes, planes);
     classify(count, tile, boxes, planes, classes);
-    sample_tiny(count, planes, &samples);
+    if (has_class(classes, CLASS_TINY))
+        sample_tiny(count, planes, &samples);
     const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0);
     if (layers & LAYER_IDS)
         find_ids(chunk, ids);
@@ -163,14 +206,16 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     chunk_planes planes;
     const corner_list list = {vertices_of(chunk, local), list_indices(chunk, listed),
                               (int)chunk->count};
+    sample_rectangle reached = {tile->x0, tile->y0, tile->right, tile->y1};
     fetch_corners(&list, &corners, &boxes);
-    if (look_at_corners(chunk->instance, &list, tile->x0, tile->y0, tile->right, tile->y1,
-                        &boxes) == 0)
+    if (look_at_corners(chunk->instance, &list, &reached, &boxes) == 0)
         return 0;
     const uint32_t own = count_own(list.count, tile, &boxes);
     set_up_edges(list.count, &boxes, &planes);
-    if (drop_missed(list.count, &planes, &boxes) > 0)
-        draw_corners(chunk, tile, &list, &corners, &boxes, &planes);
+    if (drop_missed(list.count, &planes, &boxes) == 0)
+        return own;
+    clear_reached(tile, &reached);
+    draw_corners(chunk, tile, &list, &corners, &boxes, &planes);
     return own;
 }
 
@@ -181,8 +226,9 @@ static void find_tiles(const shb_chunk *chunk, const shb_samples *target, shb_ti
     chunk_boxes boxes;
     const int count = (int)chunk->count;
     const corner_list list = {chunk->vertices, list_indices(chunk, listed), count};
+    sample_rectangle reached = {0, 0, right + 1, bottom + 1};
     fetch_snapped(&list, &boxes);
-    look_at_corners(chunk->instance, &list, 0, 0, right + 1, bottom + 1, &boxes);
+    look_at_corners(chunk->instance, &list, &reached, &boxes);
     uint32_t kept = 0;
     for (int t = 0; t < count; t++) {
         ranges->triangle[kept] = (uint8_t)t;

@@ -57,7 +57,7 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
                 plain ? W(wf_add)(base, W(wf_mul)(depth_x, column))
                       : W(wf_plane)(careful_base, planes->step_x[t], (double)(first_column + i),
                                     planes->lo[t], planes->hi[t]);
-            const W(wi) outside = W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]);
+            const W(wi) outside = W(wi_or_three)(edge[0], edge[1], edge[2]);
             W(merge)(tile, layers, at, covered ? W(wi_splat)(0) : outside, z, id);
             for (int k = 0; k < 3; k++)
                 edge[k] = W(wi_add)(edge[k], step_x[k]);
@@ -153,31 +153,40 @@ static inline __attribute__((always_inline)) void W(draw_large)(const shb_tile *
         }
 }
 
-/* A plain triangle inside the tile whose box is one vector wide and height rows high: height is a
- * constant where this is inlined, so the loop unrolls and no branch depends on the triangle. */
-static inline __attribute__((always_inline)) void W(draw_rows)(const shb_tile *tile, int layers,
-                                                               const chunk_boxes *boxes,
-                                                               const chunk_planes *planes, int t,
-                                                               uint32_t triangle, int height) {
+/* A plain triangle whose box lies in the tile and is at most width samples wide and height rows
+ * high. Both are constants where this is inlined, and width a multiple of LANES, so the loops
+ * unroll and no branch depends on the triangle. */
+static inline __attribute__((always_inline)) void
+W(draw_rows)(const shb_tile *tile, int layers, const chunk_boxes *boxes, const chunk_planes *planes,
+             int t, uint32_t triangle, int width, int height) {
+    enum { VECTORS_MAX = 2 };
     const W(wi) id = W(wi_splat)((int32_t)triangle);
-    const int32_t left = MIN(boxes->x[t], tile->x1 - LANES), shift = left - boxes->x[t];
-    const W(wi) lanes = W(wi_add)(W(wi_splat)(shift), W(wi_lanes)());
-    W(wi) edge[3], step[3];
-    for (int k = 0; k < 3; k++) {
-        edge[k] = W(wi_add)(W(wi_splat)(planes->edge[k][t]),
-                            W(wi_mul)(W(wi_splat)(planes->edge_x[k][t]), lanes));
-        step[k] = W(wi_splat)(planes->edge_y[k][t]);
+    const int32_t left = MIN(boxes->x[t], tile->x1 - width);
+    const int vectors = width / LANES;
+    W(wi) edge[VECTORS_MAX][3], step[3];
+    W(wf) along[VECTORS_MAX];
+    for (int v = 0; v < vectors; v++) {
+        const int32_t shift = left - boxes->x[t] + v * LANES;
+        const W(wi) lanes = W(wi_add)(W(wi_splat)(shift), W(wi_lanes)());
+        for (int k = 0; k < 3; k++)
+            edge[v][k] = W(wi_add)(W(wi_splat)(planes->edge[k][t]),
+                                   W(wi_mul)(W(wi_splat)(planes->edge_x[k][t]), lanes));
+        along[v] = W(wf_mul)(W(wf_splat)(planes->depth_x[t]),
+                             W(wf_add)(W(wf_splat)((float)shift), W(wf_lanes)()));
     }
-    const W(wf) along = W(wf_mul)(W(wf_splat)(planes->depth_x[t]),
-                                  W(wf_add)(W(wf_splat)((float)shift), W(wf_lanes)()));
+    for (int k = 0; k < 3; k++)
+        step[k] = W(wi_splat)(planes->edge_y[k][t]);
     const W(wf) depth = W(wf_splat)(planes->depth[t]), depth_y = W(wf_splat)(planes->depth_y[t]);
     ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + left - tile->x0;
     for (int j = 0; j < height; j++, at += tile->stride) {
         const W(wf) base = W(wf_add)(depth, W(wf_mul)(depth_y, W(wf_splat)((float)j)));
-        const W(wf) z = W(wf_add)(base, along);
-        W(merge)(tile, layers, at, W(wi_or)(W(wi_or)(edge[0], edge[1]), edge[2]), z, id);
-        for (int k = 0; k < 3; k++)
-            edge[k] = W(wi_add)(edge[k], step[k]);
+        for (int v = 0; v < vectors; v++) {
+            W(merge)
+            (tile, layers, at + v * LANES, W(wi_or_three)(edge[v][0], edge[v][1], edge[v][2]),
+             W(wf_add)(base, along[v]), id);
+            for (int k = 0; k < 3; k++)
+                edge[v][k] = W(wi_add)(edge[v][k], step[k]);
+        }
     }
 }
 

@@ -5,6 +5,10 @@
 #define MIN(a, b) ((a) < (b) ? (a) : (b))
 #define MAX(a, b) ((a) > (b) ? (a) : (b))
 
+typedef struct sample_rectangle {
+    int32_t left, top, right, bottom; /* right and bottom are the first ones outside */
+} sample_rectangle;
+
 /* Window corners of the chunk's triangles. */
 typedef struct chunk_corners {
     SHB_ALIGN double x[3][SHB_CHUNK];
@@ -115,22 +119,16 @@ static void fetch_snapped(const corner_list *list, chunk_boxes *boxes) {
     }
 }
 
-/* Transposes the corners of two triangles at a time, snapped ones, too. */
-static void fetch_corners(const corner_list *list, chunk_corners *corners, chunk_boxes *boxes) {
-    for (int t = 0; t < lanes_of(list->count); t += 2) {
-        const uint32_t *at = list->indices + 3 * t;
-        for (int k = 0; k < 3; k++) {
-            const pair *a = (const pair *)&list->vertices[at[k]];
-            const pair *b = (const pair *)&list->vertices[at[3 + k]];
-            const quad snapped = __builtin_shufflevector((quad)a[1], (quad)b[1], 2, 6, 3, 7);
-            const bits_pair halves = (bits_pair)snapped;
-            *(pair *)&corners->x[k][t] = (pair){a[0][0], b[0][0]};
-            *(pair *)&corners->y[k][t] = (pair){a[0][1], b[0][1]};
-            *(pair *)&corners->z[k][t] = (pair){a[1][0], b[1][0]};
-            memcpy(&boxes->corner_x[k][t], &(uint64_t){halves[0]}, sizeof halves[0]);
-            memcpy(&boxes->corner_y[k][t], &(uint64_t){halves[1]}, sizeof halves[1]);
-        }
-    }
+/* Transposes the corners of four triangles at a time, snapped ones, too. */
+static void fetch_corners(const corner_list *list, chunk_corners *restrict corners,
+                          chunk_boxes *restrict boxes) {
+    const shb_vertex *const vertices = list->vertices;
+    const uint32_t *at = list->indices;
+    for (int t = 0, lanes = lanes_of(list->count); t < lanes; t += 4, at += 12)
+        for (int k = 0; k < 3; k++)
+            wide_transpose(&vertices[at[k]], &vertices[at[3 + k]], &vertices[at[6 + k]],
+                           &vertices[at[9 + k]], &corners->x[k][t], &corners->y[k][t],
+                           &corners->z[k][t], &boxes->corner_x[k][t], &boxes->corner_y[k][t]);
 }
 
 /* Differences below 2^15, in boxes of up to 127 samples: twice the areas fit into 32 bits. Returns
@@ -171,9 +169,12 @@ static void find_areas(const shb_draw_instance *instance, int count, chunk_boxes
         find_large_areas(instance->keep_positive, instance->keep_negative, count, boxes);
 }
 
-/* Triangles are seen whose vertices are usable and whose box has samples in the rectangle. */
-static void find_boxes(int count, int32_t x0, int32_t y0, int32_t x1, int32_t y1,
-                       chunk_boxes *restrict boxes) {
+/* Triangles are seen whose vertices are usable and whose box has samples in the rectangle. Returns
+ * the part of it that holds all boxes. */
+static sample_rectangle find_boxes(int count, sample_rectangle within,
+                                   chunk_boxes *restrict boxes) {
+    const int32_t x0 = within.left, y0 = within.top, x1 = within.right, y1 = within.bottom;
+    int32_t first_x = x1, first_y = y1, last_x = x0, last_y = y0;
     for (int t = 0; t < lanes_of(count); t++) {
         const int32_t ax = boxes->corner_x[0][t], ay = boxes->corner_y[0][t];
         const int32_t bx = boxes->corner_x[1][t], by = boxes->corner_y[1][t];
@@ -189,7 +190,13 @@ static void find_boxes(int count, int32_t x0, int32_t y0, int32_t x1, int32_t y1
         boxes->width[t] = right - left + 1;
         boxes->height[t] = bottom - top + 1;
         boxes->seen[t] = (columns | rows | (SHB_UNUSABLE - 1 - hi_x)) < 0 ? 0 : 1;
+        first_x = MIN(first_x, left);
+        first_y = MIN(first_y, top);
+        last_x = MAX(last_x, right);
+        last_y = MAX(last_y, bottom);
     }
+    return (sample_rectangle){MAX(first_x, x0), MAX(first_y, y0), MIN(last_x + 1, x1),
+                              MIN(last_y + 1, y1)};
 }
 
 /* How many triangles are kept. */
@@ -210,11 +217,11 @@ static uint32_t count_own(int count, const shb_tile *tile, const chunk_boxes *bo
     return (uint32_t)own;
 }
 
-/* Everything about fetched triangles up to their boxes. Returns how many are kept. */
+/* Everything about fetched triangles up to their boxes, which are reduced to the part of the
+ * rectangle that holds them. Returns how many are kept. */
 static uint32_t look_at_corners(const shb_draw_instance *instance, const corner_list *list,
-                                int32_t x0, int32_t y0, int32_t x1, int32_t y1,
-                                chunk_boxes *boxes) {
-    find_boxes(list->count, x0, y0, x1, y1, boxes);
+                                sample_rectangle *rectangle, chunk_boxes *boxes) {
+    *rectangle = find_boxes(list->count, *rectangle, boxes);
     find_areas(instance, list->count, boxes);
     for (int t = list->count; t < lanes_of(list->count); t++)
         boxes->kept[t] = 0;
@@ -312,10 +319,6 @@ static void set_up_depths(int count, const chunk_corners *restrict corners,
 typedef struct block_edges {
     int32_t value[3], step_x[3], step_y[3];
 } block_edges;
-
-typedef struct sample_rectangle {
-    int32_t left, top, right, bottom; /* right and bottom are the first ones outside */
-} sample_rectangle;
 
 /* The edges at the box's first sample, in 64 bits. */
 static void find_wide_edges(const chunk_boxes *boxes, const chunk_planes *planes, int t,

@@ -9,14 +9,26 @@
  *   wf_splat, wi_splat    the same number in every lane
  *   wf_lanes, wi_lanes    0, 1, 2, ...
  *   wf_load, wf_store, wi_load, wi_store    from and to any address
- *   wf_add, wf_mul, wi_add, wi_mul, wi_or
- *   wf_min_inside(edges, z, q)              edges >= 0 && z < q ? z : q
- *   wi_store_closer(ids, edges, z, q, id)   id where edges >= 0 and (z, id) is below (q, the old
- * one) wf_plane(base, step, column, lo, hi)    base + step * (column + lane) in double, lo where it
- * is below, hi where it is above, rounded to float wf_min, wf_max(a, b)                    a < b ?
- * a : b, a > b ? a : b: b if one is NaN wi_count_less(count, a, b)              count + 1 where a <
- * b wi_sum(v)                               of all lanes wide_equal_bytes(bytes, value) bit i: byte
- * i of 64 equals value */
+ *   wf_add, wf_mul, wi_add, wi_mul
+ *   wi_or_three(a, b, c)  a | b | c
+ *   wf_min_inside(edges, z, q)
+ *                         edges >= 0 && z < q ? z : q
+ *   wi_store_closer(ids, edges, z, q, id)
+ *                         id where edges >= 0 and (z, id) is below (q, the old one)
+ *   wf_plane(base, step, column, lo, hi)
+ *                         base + step * (column + lane) in double, lo where it is below, hi where
+ *                         it is above, rounded to float
+ *   wf_min, wf_max(a, b)  a < b ? a : b, a > b ? a : b: b if one is NaN
+ *   wi_count_less(count, a, b)
+ *                         count + 1 where a < b
+ *   wi_sum(v)             of all lanes
+ *
+ * and these, whose names do not end in a number:
+ *
+ *   wide_equal_bytes(bytes, value)
+ *                         bit i: byte i of 64 equals value
+ *   wide_transpose(a, b, c, d, x, y, z, snapped_x, snapped_y)
+ *                         the numbers of four vertices, each kind in an array */
 
 /* Which layers are drawn beside depth. */
 enum { LAYER_IDS = 1, LAYER_SECOND = 2 };
@@ -24,6 +36,8 @@ enum { LAYER_IDS = 1, LAYER_SECOND = 2 };
 #include "k_transform.inl"
 
 #include "k_setup.inl"
+
+#include "k_clear.inl"
 
 #include "k_cells.inl"
 
@@ -38,4 +52,4 @@ enum { LAYER_IDS = 1, LAYER_SECOND = 2 };
 
 #include "k_raster.inl"
 
-const shb_kernels KERNELS = {transform, find_tiles, draw};
+const shb_kernels KERNELS = {transform, find_tiles, draw, clear};

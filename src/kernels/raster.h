@@ -17,6 +17,9 @@
 /* Tiles keep a bound of the farthest depth in each square of so many samples. */
 #define SHB_CELL 16
 
+/* The bound of a cell where nothing has been cleared. */
+#define SHB_NOT_CLEARED 4.0f
+
 /* What keeps a vertex from being used as it is. */
 enum {
     SHB_CODE_UNUSABLE = 1, /* behind the near plane, outside the guard band, or not finite */
@@ -96,7 +99,9 @@ typedef struct shb_tile {
     float *second; /* NULL: not wanted */
     uint32_t *ids; /* NULL: not wanted */
     ptrdiff_t stride;
-    float *cells;        /* no sample of a cell is farther; whole blocks of SHB_SMALL samples */
+    float far_depth;
+    float *cells;        /* no sample of a cell is farther, SHB_NOT_CLEARED: it has no samples yet;
+                            whole blocks of SHB_SMALL samples */
     float *second_cells; /* the same for the second layer */
     ptrdiff_t cell_stride;
     int32_t x0, y0, right, x1, y1;
@@ -125,6 +130,8 @@ typedef struct shb_kernels {
     /* Returns how many triangles have their box in the tile, its first sample in the target
      * included. */
     uint32_t (*draw)(const shb_chunk *chunk, const shb_tile *tile);
+    /* Clears what no triangle has come near to. */
+    void (*clear)(const shb_tile *tile);
 } shb_kernels;
 
 /* NULL: the scalar code. */

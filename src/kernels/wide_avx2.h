@@ -47,8 +47,8 @@ static inline wi8 wi_add8(wi8 a, wi8 b) {
 static inline wi8 wi_mul8(wi8 a, wi8 b) {
     return _mm256_mullo_epi32(a, b);
 }
-static inline wi8 wi_or8(wi8 a, wi8 b) {
-    return _mm256_or_si256(a, b);
+static inline wi8 wi_or_three8(wi8 a, wi8 b, wi8 c) {
+    return _mm256_or_si256(_mm256_or_si256(a, b), c);
 }
 static inline wf8 wf_min_inside8(wi8 edges, wf8 z, wf8 q) {
     const __m256i outside = _mm256_srai_epi32(edges, 31);
@@ -91,6 +91,24 @@ static inline uint64_t wide_equal_bytes(const uint8_t *bytes, uint8_t value) {
     const uint32_t lo_bits = (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(lo, wanted));
     const uint32_t hi_bits = (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(hi, wanted));
     return lo_bits | (uint64_t)hi_bits << 32;
+}
+
+static inline void wide_transpose(const shb_vertex *a, const shb_vertex *b, const shb_vertex *c,
+                                  const shb_vertex *d, double *x, double *y, double *z,
+                                  int32_t *snapped_x, int32_t *snapped_y) {
+    const __m256d va = _mm256_loadu_pd(&a->x), vb = _mm256_loadu_pd(&b->x);
+    const __m256d vc = _mm256_loadu_pd(&c->x), vd = _mm256_loadu_pd(&d->x);
+    const __m256d xz_ab = _mm256_unpacklo_pd(va, vb), ys_ab = _mm256_unpackhi_pd(va, vb);
+    const __m256d xz_cd = _mm256_unpacklo_pd(vc, vd), ys_cd = _mm256_unpackhi_pd(vc, vd);
+    const __m128 s_ab = _mm256_extractf128_ps(_mm256_castpd_ps(ys_ab), 1);
+    const __m128 s_cd = _mm256_extractf128_ps(_mm256_castpd_ps(ys_cd), 1);
+    _mm256_storeu_pd(x, _mm256_permute2f128_pd(xz_ab, xz_cd, 0x20));
+    _mm256_storeu_pd(y, _mm256_permute2f128_pd(ys_ab, ys_cd, 0x20));
+    _mm256_storeu_pd(z, _mm256_permute2f128_pd(xz_ab, xz_cd, 0x31));
+    _mm_storeu_si128((__m128i *)(void *)snapped_x,
+                     _mm_castps_si128(_mm_shuffle_ps(s_ab, s_cd, _MM_SHUFFLE(2, 0, 2, 0))));
+    _mm_storeu_si128((__m128i *)(void *)snapped_y,
+                     _mm_castps_si128(_mm_shuffle_ps(s_ab, s_cd, _MM_SHUFFLE(3, 1, 3, 1))));
 }
 
 #endif

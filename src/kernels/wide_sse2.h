@@ -50,8 +50,8 @@ static inline wi4 wi_mul4(wi4 a, wi4 b) {
     return _mm_unpacklo_epi32(_mm_shuffle_epi32(even, _MM_SHUFFLE(0, 0, 2, 0)),
                               _mm_shuffle_epi32(odd, _MM_SHUFFLE(0, 0, 2, 0)));
 }
-static inline wi4 wi_or4(wi4 a, wi4 b) {
-    return _mm_or_si128(a, b);
+static inline wi4 wi_or_three4(wi4 a, wi4 b, wi4 c) {
+    return _mm_or_si128(_mm_or_si128(a, b), c);
 }
 static inline wf4 wf_min_inside4(wi4 edges, wf4 z, wf4 q) {
     const __m128i outside = _mm_srai_epi32(edges, 31);
@@ -92,6 +92,25 @@ static inline uint64_t wide_equal_bytes(const uint8_t *bytes, uint8_t value) {
         bits |= (uint64_t)(uint32_t)_mm_movemask_epi8(_mm_cmpeq_epi8(part, wanted)) << (16 * i);
     }
     return bits;
+}
+
+static inline void wide_transpose(const shb_vertex *a, const shb_vertex *b, const shb_vertex *c,
+                                  const shb_vertex *d, double *x, double *y, double *z,
+                                  int32_t *snapped_x, int32_t *snapped_y) {
+    const __m128d xy_a = _mm_loadu_pd(&a->x), xy_b = _mm_loadu_pd(&b->x);
+    const __m128d xy_c = _mm_loadu_pd(&c->x), xy_d = _mm_loadu_pd(&d->x);
+    const __m128d zs_a = _mm_loadu_pd(&a->z), zs_b = _mm_loadu_pd(&b->z);
+    const __m128d zs_c = _mm_loadu_pd(&c->z), zs_d = _mm_loadu_pd(&d->z);
+    const __m128 s_ab = _mm_castpd_ps(_mm_unpackhi_pd(zs_a, zs_b));
+    const __m128 s_cd = _mm_castpd_ps(_mm_unpackhi_pd(zs_c, zs_d));
+    _mm_storeu_pd(x, _mm_unpacklo_pd(xy_a, xy_b));
+    _mm_storeu_pd(x + 2, _mm_unpacklo_pd(xy_c, xy_d));
+    _mm_storeu_pd(y, _mm_unpackhi_pd(xy_a, xy_b));
+    _mm_storeu_pd(y + 2, _mm_unpackhi_pd(xy_c, xy_d));
+    _mm_storeu_pd(z, _mm_unpacklo_pd(zs_a, zs_b));
+    _mm_storeu_pd(z + 2, _mm_unpacklo_pd(zs_c, zs_d));
+    wi_store4(snapped_x, _mm_castps_si128(_mm_shuffle_ps(s_ab, s_cd, _MM_SHUFFLE(2, 0, 2, 0))));
+    wi_store4(snapped_y, _mm_castps_si128(_mm_shuffle_ps(s_ab, s_cd, _MM_SHUFFLE(3, 1, 3, 1))));
 }
 
 #endif

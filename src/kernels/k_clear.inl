@@ -1,0 +1,45 @@
+/* Clearing where triangles are about to be drawn: memory is written while it is in a cache. */
+
+/* Cells of a row that are cleared together: long runs of memory are written faster. */
+#define CLEAR_CELLS 64
+
+static void fill_far(int32_t columns, int32_t rows, ptrdiff_t stride, float far_depth,
+                     float *texels) {
+    for (int32_t row = 0; row < rows; row++, texels += stride)
+        for (int32_t i = 0; i < columns; i++)
+            texels[i] = far_depth;
+}
+
+/* Clears count cells of which the first one has this place in the tile. */
+static void clear_cells(const shb_tile *tile, int32_t column, int32_t row, int32_t count) {
+    const int32_t x = column * SHB_CELL, y = row * SHB_CELL;
+    const int32_t columns = MIN(count * SHB_CELL, tile->x1 - tile->x0 - x);
+    const int32_t rows = MIN(SHB_CELL, tile->y1 - tile->y0 - y);
+    const ptrdiff_t at = y * tile->stride + x, first = row * tile->cell_stride + column;
+    fill_far(columns, rows, tile->stride, tile->far_depth, tile->depth + at);
+    if (tile->second)
+        fill_far(columns, rows, tile->stride, tile->far_depth, tile->second + at);
+    for (int32_t j = 0; tile->ids && j < rows; j++)
+        memset(tile->ids + at + j * tile->stride, 0xff, (size_t)columns * sizeof *tile->ids);
+    fill_far(count, 1, 0, tile->far_depth, tile->cells + first);
+    if (tile->second)
+        fill_far(count, 1, 0, tile->far_depth, tile->second_cells + first);
+}
+
+/* Clears what is not yet cleared of the rectangle's cells and of those beside them. */
+static void clear_reached(const shb_tile *tile, const sample_rectangle *reached) {
+    const int32_t first_row = (reached->top - tile->y0) / SHB_CELL;
+    const int32_t last_row = (reached->bottom - 1 - tile->y0) / SHB_CELL;
+    const int32_t left = (reached->left - tile->x0) / SHB_CELL;
+    const int32_t first = left - left % CLEAR_CELLS;
+    const int32_t last = (reached->right - 1 - tile->x0) / SHB_CELL;
+    const int32_t stride = (int32_t)tile->cell_stride;
+    for (int32_t row = first_row; row <= last_row; row++)
+        for (int32_t column = first; column <= last; column += CLEAR_CELLS)
+            if (tile->cells[row * tile->cell_stride + column] == SHB_NOT_CLEARED)
+                clear_cells(tile, column, row, MIN(CLEAR_CELLS, stride - column));
+}
+
+static void clear(const shb_tile *tile) {
+    clear_reached(tile, &(sample_rectangle){tile->x0, tile->y0, tile->x1, tile->y1});
+}
