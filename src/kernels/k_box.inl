@@ -9,12 +9,11 @@ typedef struct W(box_taps) {
 } W(box_taps);
 
 static inline ALWAYS_INLINE W(box_taps)
-    W(box_taps_of)(const box_batch *batch, size_t i, tap_kind kind, bool reversed) {
-    const float sign = reversed ? -1.0f : 1.0f;
+    W(box_taps_of)(const box_batch *batch, size_t i, bool reversed) {
     return (W(box_taps)){
-        .ref = W(wf_splat)(sign * batch->receivers->ref[i]),
-        .step_x = W(wf_splat)(kind == TAPS_FLAT ? 0.0f : sign * batch->step_x[i]),
-        .step_y = W(wf_splat)(sign * batch->step_y[i]),
+        .ref = W(wf_splat)(batch->ref[i]),
+        .step_x = W(wf_splat)(batch->step_x[i]),
+        .step_y = W(wf_splat)(batch->step_y[i]),
         .far_depth = W(wf_splat)(shb_far_depth(reversed)),
     };
 }
@@ -31,11 +30,10 @@ static inline ALWAYS_INLINE W(wi)
     const W(wf) columns = W(wf_add)(W(wf_load)(columns_from_end + BOX_PITCH - n + start),
                                     W(wf_splat)((float)(n + b->column)));
     const W(wf) plane = W(wf_add)(taps->ref, W(wf_mul)(columns, taps->step_x));
-    const W(wf) flat = W(limit_tap)(taps->far_depth, plane, reversed);
     W(wi) count = W(wi_splat)(0);
     for (int row = first; row < end; row++) {
         const char *texels = b->texels + (size_t)row * b->stride;
-        W(wf) tap = flat;
+        W(wf) tap = plane;
         if (kind == TAPS_PLANE) {
             const W(wf) down = W(wf_mul)(W(wf_splat)((float)(b->row + row)), taps->step_y);
             tap = W(limit_tap)(taps->far_depth, W(wf_add)(plane, down), reversed);
@@ -50,14 +48,13 @@ static inline ALWAYS_INLINE W(wi)
     return count;
 }
 
-static inline ALWAYS_INLINE int32_t W(count_box)(const box_batch *batch, size_t i,
-                                                 const texel_box *b, int n, tap_kind kind,
-                                                 bool reversed) {
-    const W(box_taps) taps = W(box_taps_of)(batch, i, kind, reversed);
+static inline ALWAYS_INLINE W(wi) W(count_box)(const box_batch *batch, size_t i, const texel_box *b,
+                                               int n, tap_kind kind, bool reversed) {
+    const W(box_taps) taps = W(box_taps_of)(batch, i, reversed);
     W(wi) count = W(count_rows)(b, &taps, n, 0, 0, n, kind, reversed);
     for (int start = LANES; start < n; start += LANES)
         count = W(wi_add)(count, W(count_rows)(b, &taps, n, start, 0, n, kind, reversed));
-    return W(wi_sum)(count);
+    return count;
 }
 
 /* Lit taps in rows first .. end - 1, those of the outer columns by their weights. */
@@ -81,7 +78,7 @@ static inline ALWAYS_INLINE double W(weigh_rows)(const texel_box *b, const W(box
 static inline ALWAYS_INLINE double W(weigh_box)(const box_batch *batch, size_t i,
                                                 const texel_box *b, int n, tap_kind kind,
                                                 bool reversed) {
-    const W(box_taps) taps = W(box_taps_of)(batch, i, kind, reversed);
+    const W(box_taps) taps = W(box_taps_of)(batch, i, reversed);
     const double right = last_weight(batch->receivers->to_center_x[i], n);
     const double bottom = last_weight(batch->receivers->to_center_y[i], n);
     const double above = W(weigh_rows)(b, &taps, n, 0, 1, right, kind, reversed);
@@ -90,24 +87,51 @@ static inline ALWAYS_INLINE double W(weigh_box)(const box_batch *batch, size_t i
     return ((1 - bottom) * above + bottom * below) + inner;
 }
 
-/* Boxes that lie in the map, whose texels are floats; the others are left alone. */
+/* LANES fragments from i on, whose boxes are at these places, column by column. The loop stays one:
+ * unrolled it would want more registers than there are. */
+static inline ALWAYS_INLINE void W(count_group)(const box_batch *batch, size_t i,
+                                                const int32_t *places, int n, tap_kind kind,
+                                                bool reversed, W(wi) counts[LANES]) {
+    const float *texels = batch->map->depth.texels;
+#pragma GCC unroll 1
+    for (size_t k = 0; k < LANES; k++) {
+        texel_box b = {.texels = (const char *)(texels + places[k]),
+                       .stride = batch->map->depth.stride,
+                       .column = -(n / 2), /* constants where n is one */
+                       .row = -(n / 2)};
+        if (n % 2 == 0) {
+            b.column = batch->left[i + k] - batch->receivers->texel_x[i + k];
+            b.row = batch->top[i + k] - batch->receivers->texel_y[i + k];
+        }
+        counts[k] = W(count_box)(batch, i + k, &b, n, kind, reversed);
+    }
+}
+
+/* Boxes that lie in the map, whose texels are floats; what others get means nothing. */
 static inline ALWAYS_INLINE void W(count_in_place)(const box_run *run, int n, tap_kind kind,
                                                    bool reversed, float *restrict visibility) {
     const box_batch *batch = run->batch;
-    const size_t end = run->end;
+    const bool whole = batch->same_size && batch->all_inside;
     const double share = 1 / (double)(n * n);
-    int32_t shadowed[SHB_BATCH];
-    for (size_t i = run->first; i < end; i++) {
-        shadowed[i] = 0;
-        if (!batch->inside[i])
-            continue;
-        texel_box b = box_in_place(batch, i);
-        if (n % 2)
-            b.column = b.row = -(n / 2); /* a constant where n is one */
-        shadowed[i] = W(count_box)(batch, i, &b, n, kind, reversed);
+    SHB_ALIGN int32_t shadowed[SHB_BATCH];
+    for (size_t i = run->first; i < run->end; i += LANES) {
+        int32_t readable[LANES];
+        const int32_t *places = batch->place + i;
+        if (!whole) {
+            places = readable;
+            if (!readable_places(run, i, LANES, readable)) {
+                W(wi_store)(shadowed + i, W(wi_splat)(0));
+                continue;
+            }
+        }
+        W(wi) counts[LANES];
+        W(count_group)(batch, i, places, n, kind, reversed, counts);
+        W(wi_store)(shadowed + i, W(wi_sums)(counts));
     }
-    for (size_t i = run->first; i < end; i++)
-        visibility[i] = (float)(share * (n * n - shadowed[i]));
+    for (size_t i = run->first; i < run->end; i++) {
+        const float lit = (float)(share * (n * n - shadowed[i]));
+        visibility[i] = batch->size[i] == n ? lit : visibility[i];
+    }
 }
 
 #undef W

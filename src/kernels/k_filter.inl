@@ -20,8 +20,6 @@ static const float columns_from_end[2 * BOX_PITCH] = {
 /* Where the depths of taps come from: one for all, the receiver plane, or an array. */
 typedef enum tap_kind { TAPS_FLAT, TAPS_PLANE, TAPS_GIVEN } tap_kind;
 
-static const float no_steps[SHB_BATCH];
-
 /* A batch whose fragments ask boxes of texels. */
 typedef struct box_batch {
     const shb_map *map;
@@ -29,20 +27,23 @@ typedef struct box_batch {
     int32_t width, height;
     bool reversed;
     tap_kind kind;
-    const float *step_x, *step_y;
     mutual_batch *mutual;                    /* of the exact method; else NULL */
+    bool same_size, all_inside;              /* so are all boxes */
     SHB_ALIGN int32_t size[SHB_BATCH];       /* texels in a row of the box */
     int32_t left[SHB_BATCH], top[SHB_BATCH]; /* its first texel */
-    int32_t inside[SHB_BATCH];               /* it can be read where it is */
+    int32_t place[SHB_BATCH]; /* its number in a map of floats; -1: not to be read in place */
+    float ref[SHB_BATCH], step_x[SHB_BATCH], step_y[SHB_BATCH]; /* as the map stores depth; of
+                                                                   TAPS_FLAT ref is limited */
     float window[BOX_MAX * BOX_PITCH];       /* a copy of a box that cannot be read in place */
     uint32_t occluders[BOX_MAX * BOX_PITCH]; /* of the exact method: the same of its occluders */
     float given[BOX_MAX * BOX_PITCH]; /* TAPS_GIVEN: depths of its taps, as the map stores depth */
 } box_batch;
 
-/* Fragments of a batch whose boxes have one size. */
+/* Fragments of a batch, whole vectors of them: those whose boxes have n texels in a row. */
 typedef struct box_run {
-    box_batch *batch;
+    const box_batch *batch;
     size_t first, end;
+    int n;
 } box_run;
 
 /* Where the texels of a box are, as floats, and which they are from the fragment's own one on. */
@@ -126,11 +127,9 @@ static NEVER_INLINE bool copy_box(box_batch *batch, size_t i, texel_box *b) {
 }
 
 static inline ALWAYS_INLINE texel_box box_in_place(const box_batch *batch, size_t i) {
-    const size_t stride = batch->map->depth.stride;
-    return (texel_box){.texels = (const char *)batch->map->depth.texels +
-                                 (size_t)batch->top[i] * stride +
-                                 (size_t)batch->left[i] * sizeof(float),
-                       .stride = stride,
+    const float *texels = batch->map->depth.texels;
+    return (texel_box){.texels = (const char *)(texels + batch->place[i]),
+                       .stride = batch->map->depth.stride,
                        .column = batch->left[i] - batch->receivers->texel_x[i],
                        .row = batch->top[i] - batch->receivers->texel_y[i]};
 }
@@ -139,6 +138,21 @@ static inline ALWAYS_INLINE texel_box box_in_place(const box_batch *batch, size_
 static inline ALWAYS_INLINE double last_weight(float to_center, int n) {
     const double weight = (n % 2 ? 0.5 : 1.0) - (double)to_center;
     return n % 2 == 0 && to_center < 0 ? -(double)to_center : weight;
+}
+
+/* The places of lanes fragments from i on. In a run that is not whole those that are not asked for
+ * get the place of one that is; false: there is none. */
+static NEVER_INLINE bool readable_places(const box_run *run, size_t i, size_t lanes,
+                                         int32_t *places) {
+    const box_batch *batch = run->batch;
+    int32_t readable = -1;
+    for (size_t k = 0; k < lanes; k++)
+        if (batch->size[i + k] == run->n && batch->place[i + k] >= 0)
+            readable = batch->place[i + k];
+    for (size_t k = 0; k < lanes; k++)
+        places[k] = batch->size[i + k] == run->n && batch->place[i + k] >= 0 ? batch->place[i + k]
+                                                                             : readable;
+    return readable >= 0;
 }
 
 #define LANES NARROW
@@ -178,7 +192,7 @@ IN_PLACE_KINDS(NARROWLY, 5)
 IN_PLACE_KINDS(NARROWLY, 7)
 IN_PLACE_KINDS(WIDELY, 9)
 IN_PLACE_KINDS(WIDELY, 11)
-#define ANY_SIZE run->batch->size[run->first]
+#define ANY_SIZE run->n
 IN_PLACE(count_flat_any, WIDELY, ANY_SIZE, TAPS_FLAT, false)
 IN_PLACE(count_flat_reversed_any, WIDELY, ANY_SIZE, TAPS_FLAT, true)
 IN_PLACE(count_plane_any, WIDELY, ANY_SIZE, TAPS_PLANE, false)
@@ -189,7 +203,7 @@ static void count_run(const box_run *run, float *visibility) {
                                                  IN_PLACE_ROW(9), IN_PLACE_ROW(11)};
     static count_fn *const any_size[2][2] = IN_PLACE_ROW(any);
     const box_batch *batch = run->batch;
-    const int n = batch->size[run->first];
+    const int n = run->n;
     const bool common = n % 2 && n >= 3 && n <= 11;
     count_fn *const(*count)[2] = common ? odd_sizes[(n - 3) / 2] : any_size;
     count[batch->kind == TAPS_PLANE][batch->reversed](run, visibility);
@@ -201,8 +215,10 @@ static float box_share(int n, int32_t shadowed) {
 
 static float count_given(const box_batch *batch, size_t i, const texel_box *b) {
     const int n = batch->size[i];
-    return box_share(n, batch->reversed ? WIDELY(count_box)(batch, i, b, n, TAPS_GIVEN, true)
-                                        : WIDELY(count_box)(batch, i, b, n, TAPS_GIVEN, false));
+    const WIDELY(wi) shadowed = batch->reversed
+                                    ? WIDELY(count_box)(batch, i, b, n, TAPS_GIVEN, true)
+                                    : WIDELY(count_box)(batch, i, b, n, TAPS_GIVEN, false);
+    return box_share(n, WIDELY(wi_sum)(shadowed));
 }
 
 /* By the naive way, in map formats that are not float, and where the map ends. */
@@ -215,10 +231,10 @@ static NEVER_INLINE float count_copy(box_batch *batch, size_t i) {
         return count_given(batch, i, &b);
     }
     const int n = batch->size[i];
-    const int32_t shadowed = batch->reversed
-                                 ? WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, true)
-                                 : WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, false);
-    return box_share(n, shadowed);
+    const WIDELY(wi) shadowed = batch->reversed
+                                    ? WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, true)
+                                    : WIDELY(count_box)(batch, i, &b, n, TAPS_PLANE, false);
+    return box_share(n, WIDELY(wi_sum)(shadowed));
 }
 
 static float weigh_one(const box_batch *batch, size_t i, const texel_box *b) {
@@ -233,11 +249,11 @@ static float weigh_one(const box_batch *batch, size_t i, const texel_box *b) {
     return (float)(lit * (1 / ((n - 1.0) * (n - 1.0))));
 }
 
-static bool steps_are_zero(const shb_receivers *restrict r, size_t count) {
-    int32_t steps = 0;
-    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
-        steps |= -(r->step_x[i] != 0) | -(r->step_y[i] != 0);
-    return steps == 0;
+static bool steps_are_zero(const shb_receivers *r, size_t count) {
+    vi steep = {0};
+    for (size_t i = 0; i < count; i += WIDE)
+        steep |= (vf_load(r->step_x + i) != 0) | (vf_load(r->step_y + i) != 0);
+    return !vi_any(steep);
 }
 
 /* Of n texels in a row, those whose centres are nearest to the fragment: which is the first, from
@@ -246,21 +262,42 @@ static inline ALWAYS_INLINE int32_t box_start(float to_center, int32_t n) {
     return (~n & (to_center < 0)) - (n >> 1);
 }
 
-/* Columns and rows where boxes begin. */
-static void place_boxes(const int32_t *restrict size, const int32_t *restrict texel,
-                        const float *restrict to_center, size_t count, int32_t *restrict first) {
-    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
-        first[i] = texel[i] + box_start(to_center[i], size[i]);
+static inline ALWAYS_INLINE vi box_start_lanes(vf to_center, vi n) {
+    return (~n & (to_center < 0) & 1) - (n >> 1);
 }
 
-/* Which of the boxes can be read where they are, with whole vectors. */
-static void find_inside(const shb_map_info *info, const int32_t *restrict size,
-                        const int32_t *restrict left, const int32_t *restrict top, size_t count,
-                        int32_t *restrict inside) {
-    const int32_t width = (int32_t)info->width, height = (int32_t)info->height;
-    for (size_t i = 0; i < shb_round_to_lanes(count); i++) {
-        const int32_t right = left[i] + ((size[i] + 15) & ~15), bottom = top[i] + size[i];
-        inside[i] = (left[i] >= 0) & (top[i] >= 0) & (right <= width) & (bottom <= height);
+/* Where boxes lie, and which of them can be read where they are, with whole vectors. */
+static void place_boxes(const shb_receivers *restrict r, size_t count, box_batch *restrict batch) {
+    const bool in_place = can_gather(batch->map) && batch->kind != TAPS_GIVEN;
+    const uint32_t stride = (uint32_t)(batch->map->depth.stride / 4);
+    vi all = vi_splat(-1);
+    for (size_t i = 0; i < count; i += WIDE) {
+        const vi n = vi_load(batch->size + i);
+        const vi left = vi_load(r->texel_x + i) + box_start_lanes(vf_load(r->to_center_x + i), n);
+        const vi top = vi_load(r->texel_y + i) + box_start_lanes(vf_load(r->to_center_y + i), n);
+        const vi right = left + ((n + 15) & ~15), bottom = top + n;
+        const vi inside = (left >= 0) & (top >= 0) & (right <= batch->width) &
+                          (bottom <= batch->height) & (in_place ? -1 : 0);
+        vi_store(batch->left + i, left);
+        vi_store(batch->top + i, top);
+        vi_store(batch->place + i, (vi)((vu)top * stride + (vu)left) | ~inside);
+        all &= inside;
+    }
+    batch->all_inside = !vi_any(~all);
+}
+
+/* Planes as the map stores depth. own: taps do not follow them. */
+static void store_planes(const shb_receivers *restrict r, bool own, size_t count,
+                         box_batch *restrict batch) {
+    const float sign = batch->reversed ? -1.0f : 1.0f;
+    const vf far_depth = vf_splat(shb_far_depth(batch->reversed));
+    for (size_t i = 0; i < count; i += WIDE) {
+        vf ref = vf_load(r->ref + i);
+        if (batch->kind == TAPS_FLAT)
+            ref = vf_min(far_depth, ref);
+        vf_store(batch->ref + i, sign * ref);
+        vf_store(batch->step_x + i, own ? vf_splat(0) : sign * vf_load(r->step_x + i));
+        vf_store(batch->step_y + i, own ? vf_splat(0) : sign * vf_load(r->step_y + i));
     }
 }
 
@@ -277,28 +314,22 @@ static void box_sizes(const float *restrict texel_size, float size, float least,
         sizes[i] = texel_size ? box_size(size / texel_size[i], least) : all;
 }
 
-/* Reads the parameters size and unit. */
+/* All but the planes. Reads the parameters size and unit. */
 static void box_batch_init(const shb_filter_args *args, const shb_receivers *r, tap_kind kind,
                            float least, box_batch *batch) {
     const bool world = args->filter->params[1] == SHB_UNIT_WORLD;
+    const size_t lanes = shb_round_to_lanes(args->count);
     batch->map = args->map;
     batch->receivers = r;
     batch->width = (int32_t)args->map->info.width;
     batch->height = (int32_t)args->map->info.height;
     batch->reversed = args->map->info.view.reversed;
     batch->kind = kind;
-    batch->step_x = r->step_x;
-    batch->step_y = r->step_y;
     batch->mutual = NULL;
+    batch->same_size = !world;
     box_sizes(world ? r->texel_size : NULL, args->filter->params[0], least, args->count,
               batch->size);
-    place_boxes(batch->size, r->texel_x, r->to_center_x, args->count, batch->left);
-    place_boxes(batch->size, r->texel_y, r->to_center_y, args->count, batch->top);
-    if (args->map->info.format == SHB_FORMAT_FLOAT32 && kind != TAPS_GIVEN)
-        find_inside(&args->map->info, batch->size, batch->left, batch->top, args->count,
-                    batch->inside);
-    else
-        memset(batch->inside, 0, sizeof batch->inside);
+    place_boxes(r, lanes, batch);
 }
 
 /* Of receiver planes; reads the parameter taps too. */
@@ -311,16 +342,7 @@ static void box_batch_of_planes(const shb_filter_args *args, float least, box_ba
                    : flat                 ? TAPS_FLAT
                                           : TAPS_PLANE,
                    least, batch);
-    if (own)
-        batch->step_x = batch->step_y = no_steps;
-}
-
-/* The fragments from first on whose boxes have the same size. */
-static box_run next_run(box_batch *batch, size_t first, size_t count) {
-    box_run run = {batch, first, first + 1};
-    while (run.end < count && batch->size[run.end] == batch->size[first])
-        run.end++;
-    return run;
+    store_planes(args->receivers, own, shb_round_to_lanes(args->count), batch);
 }
 
 static void fill_lanes(size_t count, float *visibility) {
@@ -328,12 +350,23 @@ static void fill_lanes(size_t count, float *visibility) {
         visibility[i] = visibility[count - 1];
 }
 
-/* Boxes that are read in place; the others are left alone. */
-static void count_inside(box_batch *batch, size_t count, float *visibility) {
-    box_run run;
-    for (size_t first = 0; first < count; first = run.end) {
-        run = next_run(batch, first, count);
-        count_run(&run, visibility);
+/* Boxes that are read in place; what the others get means nothing. */
+static void count_inside(const box_batch *batch, size_t count, float *visibility) {
+    const size_t lanes = shb_round_to_lanes(count);
+    if (batch->same_size) {
+        const box_run all = {batch, 0, lanes, batch->size[0]};
+        count_run(&all, visibility);
+        return;
+    }
+    for (size_t first = 0; first < lanes; first += SHB_LANES) {
+        const int32_t *size = batch->size + first;
+        uint32_t left = (1u << SHB_LANES) - 1;
+        while (left) {
+            const box_run run = {batch, first, first + SHB_LANES, size[__builtin_ctz(left)]};
+            count_run(&run, visibility);
+            for (size_t i = 0; i < SHB_LANES; i += WIDE)
+                left &= ~(vi_bits(vi_load(size + i) == run.n) << i);
+        }
     }
 }
 
@@ -341,8 +374,8 @@ static void pcf(const shb_filter_args *args) {
     box_batch batch;
     box_batch_of_planes(args, 1, &batch);
     count_inside(&batch, args->count, args->visibility);
-    for (size_t i = 0; i < args->count; i++)
-        if (!batch.inside[i])
+    for (size_t i = 0; i < args->count && !batch.all_inside; i++)
+        if (batch.place[i] < 0)
             args->visibility[i] = count_copy(&batch, i);
     fill_lanes(args->count, args->visibility);
 }
@@ -352,7 +385,7 @@ static void smooth_boxes(const shb_filter_args *args) {
     box_batch_of_planes(args, 2, &batch);
     for (size_t i = 0; i < args->count; i++) {
         texel_box b;
-        bool inside = batch.inside[i];
+        bool inside = batch.place[i] >= 0;
         if (inside) {
             b = box_in_place(&batch, i);
         } else {

@@ -14,6 +14,7 @@ static void exact_boxes_init(const shb_filter_args *args, float least, mutual_ba
     for (size_t i = 0; i < shb_round_to_lanes(args->count); i++)
         mutual->reach[i] = box_reach(batch->size[i]);
     mutual_batch_finish(mutual, args->count);
+    store_planes(&mutual->receivers, false, shb_round_to_lanes(args->count), batch);
 }
 
 /* One fragment's box. */
@@ -29,7 +30,7 @@ typedef struct exact_box {
 /* False: the box lies outside the map. */
 static inline ALWAYS_INLINE bool find_box(box_batch *batch, size_t i, exact_box *box) {
     const shb_receivers *r = batch->receivers;
-    if (batch->inside[i]) {
+    if (batch->place[i] >= 0) {
         texel_box *b = &box->texels;
         *b = box_in_place(batch, i);
         b->given = batch->given;
@@ -157,11 +158,12 @@ static inline ALWAYS_INLINE void count_planes(box_batch *batch, size_t count, bo
     count_inside(batch, count, visibility);
     for (size_t i = 0; i < count; i++) {
         exact_box box;
-        if (batch->inside[i] && visibility[i] == 1)
+        const bool inside = batch->place[i] >= 0;
+        if (inside && visibility[i] == 1)
             continue;
         if (!find_box(batch, i, &box))
             visibility[i] = 1;
-        else if (!(batch->inside[i] && visibility[i] < 0.5f && all_pass_in_front(&box, reversed)))
+        else if (!(inside && visibility[i] < 0.5f && all_pass_in_front(&box, reversed)))
             visibility[i] = count_exact(&box, false, reversed);
     }
 }

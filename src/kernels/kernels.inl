@@ -22,6 +22,8 @@
  *   wi_count_less(count, a, b)
  *                         count + 1 where a < b
  *   wi_sum(v)             of all lanes
+ *   wi_sums(v)            wi_sum(v[0]), wi_sum(v[1]), ...: of as many vectors as lanes, whose lanes
+ *                         are 0 to 2^13
  *
  * and these, whose names do not end in a number:
  *

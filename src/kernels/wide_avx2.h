@@ -72,6 +72,16 @@ static inline int32_t wi_sum8(wi8 v) {
     const __m128i one = _mm_add_epi32(pair, _mm_shuffle_epi32(pair, _MM_SHUFFLE(2, 3, 0, 1)));
     return _mm_cvtsi128_si32(one);
 }
+static inline wi8 wi_sums8(const wi8 v[8]) {
+    const __m256i one = _mm256_set1_epi16(1);
+    __m256i pairs[4], parts[2];
+    for (int i = 0; i < 4; i++)
+        pairs[i] = _mm256_madd_epi16(_mm256_packs_epi32(v[2 * i], v[2 * i + 1]), one);
+    for (int i = 0; i < 2; i++)
+        parts[i] = _mm256_madd_epi16(_mm256_packs_epi32(pairs[2 * i], pairs[2 * i + 1]), one);
+    return _mm256_add_epi32(_mm256_permute2x128_si256(parts[0], parts[1], 0x20),
+                            _mm256_permute2x128_si256(parts[0], parts[1], 0x31));
+}
 static inline wf8 wf_plane8(double base, double step, double column, double lo, double hi) {
     const __m256d s = _mm256_set1_pd(step), b = _mm256_set1_pd(base), c = _mm256_set1_pd(column);
     const __m256d l = _mm256_set1_pd(lo), h = _mm256_set1_pd(hi);

@@ -68,6 +68,10 @@ static inline int32_t wi_sum4(wi4 v) {
     return vaddvq_s32(v);
 }
 
+static inline wi4 wi_sums4(const wi4 v[4]) {
+    return vpaddq_s32(vpaddq_s32(v[0], v[1]), vpaddq_s32(v[2], v[3]));
+}
+
 /* a > b ? a : b, and a < b ? a : b: the instructions for these treat signed zeros differently. */
 static inline float64x2_t wide_max_double(float64x2_t a, float64x2_t b) {
     return vbslq_f64(vcgtq_f64(a, b), a, b);

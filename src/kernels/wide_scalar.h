@@ -38,5 +38,8 @@ static inline wi1 wi_count_less1(wi1 count, wf1 a, wf1 b) {
 static inline int32_t wi_sum1(wi1 v) {
     return v;
 }
+static inline wi1 wi_sums1(const wi1 v[1]) {
+    return v[0];
+}
 
 #endif
