@@ -45,6 +45,7 @@ typedef struct tile_job {
     const shb_target *target;
     const shb_chunks *chunks;
     grid grid;
+    bool counts;
     shb_chunk_bins bins;
     shb_cluster_bins clusters;
     shb_layers *lanes; /* NULL when tiles are drawn directly */
@@ -223,7 +224,7 @@ static size_t draw_clusters(const tile_job *job, size_t row, const shb_layers *l
 
 static void draw_tile(tile_job *job, size_t lane, size_t number) {
     const shb_layers layers = layers_of(job, lane, tile_samples(job, number));
-    const shb_tile tile = shb_layers_tile(&layers, job->desc->view->reversed);
+    const shb_tile tile = shb_layers_tile(&layers, job->desc->view->reversed, job->counts);
     draw_binned(job, number, &tile);
     const size_t drawn = draw_clusters(job, number / job->bins.columns, &layers, &tile);
     atomic_fetch_add(&job->drawn, drawn);
@@ -284,7 +285,8 @@ static bool draw_whole(shb_context *context, tile_job *job) {
     if (!reserve_depths(context, job, 1, job->desc->height))
         return false;
     const shb_layers layers = layers_of(job, 0, job->target->samples);
-    if (!shb_chunk_whole_draw(context, job->desc, job->chunks, &layers, &job->bins.drawn))
+    if (!shb_chunk_whole_draw(context, job->desc, job->chunks, &layers, job->counts,
+                              &job->bins.drawn))
         return false;
     draw_coded(job, &layers);
     shb_layers_store(&layers, job->desc);
@@ -308,9 +310,11 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .geometry = geometry,
                     .target = target,
                     .chunks = chunks,
+                    .counts = stats != NULL,
                     .grid = choose_grid(context, desc, geometry)};
     if (!(job.grid.whole ? draw_whole : draw_tiles)(context, &job))
         return false;
-    count_stats(&job, stats);
+    if (stats)
+        count_stats(&job, stats);
     return true;
 }

@@ -15,14 +15,14 @@
 typedef struct whole_job {
     const shb_kernels *kernels;
     const shb_chunks *chunks;
-    bool reversed;
+    bool reversed, counts;
     size_t lane_count;
     shb_layers lanes[LANES_MAX]; /* the first one is the target */
     uint64_t drawn[LANES_MAX];
     atomic_size_t next; /* chunk that nobody has begun */
 } whole_job;
 
-shb_tile shb_layers_tile(const shb_layers *layers, bool reversed) {
+shb_tile shb_layers_tile(const shb_layers *layers, bool reversed, bool counts) {
     const shb_samples *samples = &layers->samples;
     const int32_t width = samples->last_column - samples->first_column + 1;
     const size_t columns = (size_t)width;
@@ -33,6 +33,7 @@ shb_tile shb_layers_tile(const shb_layers *layers, bool reversed) {
         .ids = layers->ids,
         .stride = (ptrdiff_t)layers->pitch,
         .far_depth = shb_far_depth(reversed),
+        .counts = counts,
         .cells = layers->cells,
         .second_cells = layers->second ? layers->cells + shb_cells_count(columns, rows) : NULL,
         .cell_stride = (ptrdiff_t)shb_cells_stride(columns),
@@ -48,7 +49,7 @@ shb_tile shb_layers_tile(const shb_layers *layers, bool reversed) {
 
 static void run_lane(void *arg, size_t index) {
     whole_job *job = arg;
-    const shb_tile tile = shb_layers_tile(&job->lanes[index], job->reversed);
+    const shb_tile tile = shb_layers_tile(&job->lanes[index], job->reversed, job->counts);
     const shb_chunk *chunks = job->chunks->chunks;
     const size_t count = job->chunks->count;
     uint64_t drawn = 0;
@@ -106,12 +107,13 @@ static void merge_rows(void *arg, size_t index) {
 }
 
 bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const shb_chunks *chunks,
-                          const shb_layers *layers, uint64_t *drawn) {
+                          const shb_layers *layers, bool counts, uint64_t *drawn) {
     const size_t shares = chunks->count / CHUNKS_AT_ONCE + 1;
     const size_t most = context->threads < LANES_MAX ? context->threads : LANES_MAX;
     whole_job job = {.kernels = context->kernels,
                      .chunks = chunks,
                      .reversed = desc->view->reversed,
+                     .counts = counts,
                      .lane_count = shares < most ? shares : most,
                      .lanes = {*layers}};
     const size_t rows = desc->height;

@@ -227,9 +227,15 @@ static bool faces_away(const shb_cluster_view *view, const shb_cluster *cluster,
     return h * area * c > (4.25 * d * pixels_a_unit + 8 * d * d / h) * cube;
 }
 
+static float nearest_sample(range depth) {
+    return (float)(depth.lo - (depth.hi - depth.lo) / 32 -
+                   0x1p-21 * (fabs(depth.lo) + fabs(depth.hi)));
+}
+
 shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluster *cluster,
                                   shb_seen_cluster *seen) {
     seen->samples = view->target->samples;
+    seen->nearest = -HUGE_VALF;
     if (!(cluster->lo[0] == cluster->lo[0]))
         return SHB_CLUSTER_DOUBTFUL;
     const middle_box box = middle_of(cluster);
@@ -251,6 +257,8 @@ shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluste
         .y = {half_height - v.hi * half_height, half_height - v.lo * half_height}};
     if (!(fmax(doubt_x * half_width, doubt_y * half_height) <= WINDOW_DOUBT))
         return SHB_CLUSTER_DOUBTFUL;
+    double doubt_z;
+    const range depth = project(view, &box, ROW_Z, z, w.lo, &doubt_z);
     const range near = range_in(view->planes[0], &box);
     const double guard = SHB_GUARD_PIXELS - 1;
     const bool usable =
@@ -260,6 +268,7 @@ shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluste
     if (!usable)
         return SHB_CLUSTER_DOUBTFUL;
     seen->samples = samples_in(view, &window);
+    seen->nearest = nearest_sample(depth);
     if (shb_samples_are_empty(seen->samples))
         return SHB_CLUSTER_DROPPED;
     const double steep_x = half_width * (view->steep_x + largest(u) * view->steep_w);

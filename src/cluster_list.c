@@ -3,6 +3,7 @@
 #include "cluster_list.h"
 
 #include "cluster_cull.h"
+#include "cluster_sort.h"
 #include "scratch.h"
 
 #include <string.h>
@@ -47,6 +48,7 @@ static void list_run(const list_job *job, const shb_draw_instance *instance, uin
         *chunk = chunk_of(instance, &clusters[i]);
         chunk->cluster.target = job->target;
         chunk->cluster.samples = looked.samples;
+        chunk->cluster.nearest = looked.nearest;
         chunk->cluster.may_be_coded = fate == SHB_CLUSTER_DOUBTFUL;
         seen->doubtful |= fate == SHB_CLUSTER_DOUBTFUL;
     }
@@ -95,5 +97,5 @@ bool shb_clusters_list(shb_context *context, const shb_geometry *geometry, const
         *count += job.seen[i].count;
         *doubtful |= job.seen[i].doubtful;
     }
-    return true;
+    return shb_clusters_sort(context, target, *count, chunks);
 }

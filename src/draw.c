@@ -106,7 +106,9 @@ static bool draw_scalar(shb_context *context, const shb_draw_desc *desc,
                         shb_draw_stats *stats) {
     const uint32_t tile_size = desc->tile_size ? desc->tile_size : TILE_SIZE;
     shb_bins bins;
-    return shb_bin_triangles(context, geometry, target, tile_size, &bins, stats) &&
+    shb_draw_stats unwanted;
+    return shb_bin_triangles(context, geometry, target, tile_size, &bins,
+                             stats ? stats : &unwanted) &&
            shb_tiles_draw(context, desc, geometry, target, &bins);
 }
 
@@ -121,7 +123,7 @@ shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_st
     shb_draw_stats counted;
     if (!shb_geometry_prepare(context, desc, &geometry) ||
         !(context->kernels ? draw_chunks : draw_scalar)(context, desc, &geometry, &target,
-                                                        &counted))
+                                                        stats ? &counted : NULL))
         return shb_fail(
             context, SHB_ERROR_MEMORY, "shb_draw: no memory for %llu triangles and %llu vertices",
             (unsigned long long)geometry.triangle_count, (unsigned long long)geometry.vertex_count);

@@ -19,6 +19,7 @@ enum {
     SHB_SCRATCH_CODED,        /* ids of triangles that clipping has to look at */
     SHB_SCRATCH_VIEWS,        /* instances as their clusters are looked at */
     SHB_SCRATCH_SEEN,         /* how many clusters each task kept */
+    SHB_SCRATCH_SORTED,       /* clusters by depth */
     SHB_SCRATCH_CLUSTER_ENDS, /* end of each row's list of clusters */
     SHB_SCRATCH_CLUSTER_ROWS  /* the lists of all rows of tiles */
 };

@@ -1,5 +1,7 @@
 #include "../src/cluster_cull.h"
+#include "../src/cover.h"
 #include "../src/matrix.h"
+#include "../src/plane.h"
 
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -150,6 +152,28 @@ static bool is_usable(const shb_target *target, const shb_clip_position corners[
     return true;
 }
 
+/* The nearest depth of what is drawn; rows of small targets alone, which take less time. */
+static float nearest_drawn(const shb_target *target, const shb_shape *shape) {
+    const shb_samples box = shb_samples_intersect(shape->samples, target->samples);
+    const shb_plane plane = shb_plane_of(target, shape);
+    const shb_cover cover = shb_cover_of(shape, box);
+    float nearest = HUGE_VALF;
+    for (int32_t row = box.first_row; target->samples.last_row < 64 && row <= box.last_row; row++) {
+        shb_run runs[SHB_RUNS_MAX];
+        const size_t count = shb_cover_row(&cover, row, runs);
+        for (size_t i = 0; i < count; i++) {
+            const int32_t ends[2] = {runs[i].first, runs[i].end - 1};
+            for (int k = 0; k < 2; k++) {
+                float depth;
+                shb_plane_depths(&plane, ends[k] - shape->samples.first_column,
+                                 row - shape->samples.first_row, 1, &depth);
+                nearest = depth < nearest ? depth : nearest;
+            }
+        }
+    }
+    return nearest;
+}
+
 typedef struct tally {
     size_t dropped, plain, doubtful;
 } tally;
@@ -179,7 +203,8 @@ static bool check_cluster(const shb_target *target, const shb_draw_instance *ins
         const shb_samples part = shb_samples_intersect(shape.samples, target->samples);
         const shb_samples both = shb_samples_intersect(part, seen.samples);
         right &= both.first_column == part.first_column && both.first_row == part.first_row &&
-                 both.last_column == part.last_column && both.last_row == part.last_row;
+                 both.last_column == part.last_column && both.last_row == part.last_row &&
+                 nearest_drawn(target, &shape) >= seen.nearest;
     }
     return right;
 }

@@ -199,6 +199,9 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const cor
 }
 
 static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
+    const bool hidden = !chunk->vertices && is_cluster_hidden(tile, &chunk->cluster);
+    if (hidden && !tile->counts)
+        return 0;
     shb_vertex local[SHB_CLUSTER_VERTICES];
     uint32_t listed[3 * SHB_CHUNK];
     chunk_corners corners;
@@ -211,6 +214,8 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     if (look_at_corners(chunk->instance, &list, &reached, &boxes) == 0)
         return 0;
     const uint32_t own = count_own(list.count, tile, &boxes);
+    if (hidden)
+        return own;
     set_up_edges(list.count, &boxes, &planes);
     if (drop_missed(list.count, &planes, &boxes) == 0)
         return own;

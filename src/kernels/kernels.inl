@@ -41,6 +41,8 @@ enum { LAYER_IDS = 1, LAYER_SECOND = 2 };
 
 #include "k_clear.inl"
 
+#include "k_hidden.inl"
+
 #include "k_cells.inl"
 
 #define LANES NARROW

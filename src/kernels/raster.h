@@ -62,6 +62,7 @@ typedef struct shb_seen_cluster {
     uint32_t vertex_count, places; /* places: from the first x to the first y */
     bool may_be_coded;             /* some vertex may not be usable */
     shb_samples samples;           /* its usable triangles lie in them */
+    float nearest;                 /* none of their samples is nearer */
 } shb_seen_cluster;
 
 /* Up to SHB_CHUNK triangles of one instance: those listed, or those that follow the first one. */
@@ -100,6 +101,7 @@ typedef struct shb_tile {
     uint32_t *ids; /* NULL: not wanted */
     ptrdiff_t stride;
     float far_depth;
+    bool counts;         /* hidden triangles are to be counted, too */
     float *cells;        /* no sample of a cell is farther, SHB_NOT_CLEARED: it has no samples yet;
                             whole blocks of SHB_SMALL samples */
     float *second_cells; /* the same for the second layer */
@@ -128,7 +130,7 @@ typedef struct shb_kernels {
     void (*find_tiles)(const shb_chunk *chunk, const shb_samples *target, shb_tile_shape shape,
                        shb_chunk_ranges *ranges);
     /* Returns how many triangles have their box in the tile, its first sample in the target
-     * included. */
+     * included; 0 for a cluster that lies behind what is drawn, unless the tile counts. */
     uint32_t (*draw)(const shb_chunk *chunk, const shb_tile *tile);
     /* Clears what no triangle has come near to. */
     void (*clear)(const shb_tile *tile);
