@@ -211,13 +211,15 @@ static inline ALWAYS_INLINE pcss_blocked ask_taps(const shb_pcss *pcss, const sh
     return blocked;
 }
 
-static pcss_blocked search(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own,
-                           vf radius_x, vf radius_y, vi wanted) {
+static NEVER_INLINE pcss_blocked search(const shb_pcss *pcss, const shb_map *map,
+                                        const pcss_lanes *own, vf radius_x, vf radius_y,
+                                        vi wanted) {
     return ask_taps(pcss, map, own, radius_x, radius_y, pcss->blockers, wanted, true);
 }
 
-static pcss_blocked filter(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own,
-                           vf radius_x, vf radius_y, vi wanted) {
+static NEVER_INLINE pcss_blocked filter(const shb_pcss *pcss, const shb_map *map,
+                                        const pcss_lanes *own, vf radius_x, vf radius_y,
+                                        vi wanted) {
     return ask_taps(pcss, map, own, radius_x, radius_y, pcss->samples, wanted, false);
 }
 
@@ -231,46 +233,43 @@ static vf exact_reach(vf radius) {
     return 1.5f * radius + 2.0f;
 }
 
-/* mutual: NULL but for the exact method. */
-static pcss_lanes load_pcss_lanes(const shb_pcss *pcss, const shb_receivers *r,
-                                  mutual_batch *mutual, size_t i) {
-    pcss_lanes own = {.texel_x = vi_load(r->texel_x + i),
-                      .texel_y = vi_load(r->texel_y + i),
-                      .to_center_x = vf_load(r->to_center_x + i),
-                      .to_center_y = vf_load(r->to_center_y + i),
-                      .depth = vf_min(vf_load(r->depth + i), vf_splat(pcss->far_depth)),
-                      .ref = vf_load(r->ref + i),
-                      .mutual = mutual,
-                      .first = i};
-    if (!pcss->own_depth) {
-        own.step_x = vf_load(r->step_x + i);
-        own.step_y = vf_load(r->step_y + i);
-    }
-    int32_t turns[WIDE];
-    for (int k = 0; k < WIDE; k++) {
-        const size_t j = i + (size_t)k;
-        turns[k] = 2 * (int32_t)shb_poisson_turn(r->x[j], r->y[j], r->z[j]);
-    }
-    own.cosine = vf_gather(pcss->turns, vi_load(turns));
-    own.sine = vf_gather(pcss->turns + 1, vi_load(turns));
-    return own;
+/* All but the turn of the disk. */
+static inline ALWAYS_INLINE void load_pcss_lanes(const shb_pcss *pcss, const shb_receivers *r,
+                                                 size_t i, pcss_lanes *own) {
+    own->texel_x = vi_load(r->texel_x + i);
+    own->texel_y = vi_load(r->texel_y + i);
+    own->to_center_x = vf_load(r->to_center_x + i);
+    own->to_center_y = vf_load(r->to_center_y + i);
+    own->depth = vf_min(vf_load(r->depth + i), vf_splat(pcss->far_depth));
+    own->ref = vf_load(r->ref + i);
+    own->step_x = pcss->own_depth ? vf_splat(0) : vf_load(r->step_x + i);
+    own->step_y = pcss->own_depth ? vf_splat(0) : vf_load(r->step_y + i);
+    own->first = i;
 }
 
-/* What the pyramid tells of kernels of this size about texels of the map. */
-static plain_outcome ask_pyramid(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own,
-                                 vf radius_x, vf radius_y, vi wanted) {
-    const vi reach_x = reach_of(radius_x) & wanted, reach_y = reach_of(radius_y) & wanted;
-    const vi texel_x = own->texel_x & wanted, texel_y = own->texel_y & wanted;
-    const plain_lanes lanes = {.left = texel_x - reach_x,
-                               .top = texel_y - reach_y,
-                               .right = texel_x + reach_x,
-                               .bottom = texel_y + reach_y,
-                               .texel_x = texel_x,
-                               .texel_y = texel_y,
-                               .ref = own->ref,
-                               .step_x = own->step_x,
-                               .step_y = own->step_y};
-    const plain_outcome plain = find_plain(pcss->pyramid, map, &lanes);
+static inline ALWAYS_INLINE void load_turns(const shb_pcss *pcss, const shb_receivers *r, size_t i,
+                                            pcss_lanes *own) {
+    int32_t turns[WIDE];
+    for (size_t k = 0; k < WIDE; k++)
+        turns[k] = 2 * (int32_t)shb_poisson_turn(r->x[i + k], r->y[i + k], r->z[i + k]);
+    own->cosine = vf_gather(pcss->turns, vi_load(turns));
+    own->sine = vf_gather(pcss->turns + 1, vi_load(turns));
+}
+
+/* What the pyramid tells of kernels of this size about wanted texels of the map. Not inlined: where
+ * gcc 12 sees the comparison that a mask of one lane comes from, it takes the lane for not set. */
+static NEVER_INLINE plain_outcome ask_pyramid(const shb_pcss *pcss, const shb_map *map,
+                                              const pcss_lanes *own, vf radius_x, vf radius_y,
+                                              vi wanted) {
+    const vi reach_x = reach_of(radius_x), reach_y = reach_of(radius_y);
+    plain_group group = {.texel_x = own->texel_x,
+                         .texel_y = own->texel_y,
+                         .ref = own->ref,
+                         .step_x = own->step_x,
+                         .step_y = own->step_y};
+    set_rectangle(&group, wanted, own->texel_x - reach_x, own->texel_y - reach_y,
+                  own->texel_x + reach_x, own->texel_y + reach_y);
+    const plain_outcome plain = find_plain(pcss->pyramid, map, &group);
     return (plain_outcome){plain.lit & wanted, plain.dark & wanted};
 }
 
@@ -307,13 +306,15 @@ static void ask_pcss(const shb_pcss *pcss, const shb_map *map, size_t count,
     const vf near_depth = vf_splat(pcss->near_depth);
     int pause = 0;
     for (size_t i = 0; i < lanes; i += WIDE) {
-        pcss_lanes own = load_pcss_lanes(pcss, receivers, mutual, i);
+        pcss_lanes own;
+        own.mutual = mutual;
+        load_pcss_lanes(pcss, receivers, i, &own);
         const vf search_x = radius_lanes(pcss->texels_x, own.depth, near_depth);
         const vf search_y = radius_lanes(pcss->texels_y, own.depth, near_depth);
         pcss_open open = {((vu)own.texel_x < map->info.width) &
                               ((vu)own.texel_y < map->info.height),
                           vf_splat(1.0f)};
-        if (pcss->pyramid && pause-- <= 0) {
+        if (pcss->pyramid && vi_any(open.lanes) && pause-- <= 0) {
             plain_outcome plain = ask_pyramid(pcss, map, &own, search_x, search_y, open.lanes);
             if (mutual)
                 plain.dark = vi_splat(0);
@@ -322,8 +323,10 @@ static void ask_pcss(const shb_pcss *pcss, const shb_map *map, size_t count,
             pause = vi_any(plain.lit | plain.dark) ? 0 : PCSS_PAUSE;
         }
         own.ref = vf_where(open.lanes, own.ref, vf_splat(-INFINITY));
-        if (vi_any(open.lanes))
+        if (vi_any(open.lanes)) {
+            load_turns(pcss, receivers, i, &own);
             open.visibility = pcss_of_lanes(pcss, map, &own, search_x, search_y, open);
+        }
         vf_store(visibility + i, open.visibility);
     }
 }

@@ -65,7 +65,8 @@ static inline __m256 gather_eight(const float *base, __m256i index) {
 #endif
 
 /* vf_gather: the floats at these indices, which are not negative.
- * vf_min, vf_max: a < b ? a : b, a > b ? a : b. vi_any: true if the mask is set in some lane.
+ * vf_min, vf_max: a < b ? a : b, a > b ? a : b. vf_least: of all lanes, none of them NaN.
+ * vi_any: true if the mask is set in some lane.
  * vi_bits: bit i: the mask is set in lane i. */
 #if WIDE == 16
 static inline vf vf_min(vf a, vf b) {
@@ -73,6 +74,9 @@ static inline vf vf_min(vf a, vf b) {
 }
 static inline vf vf_max(vf a, vf b) {
     return _mm512_max_ps(a, b);
+}
+static inline float vf_least(vf v) {
+    return _mm512_reduce_min_ps(v);
 }
 static inline bool vi_any(vi mask) {
     return _mm512_movepi32_mask((__m512i)mask) != 0;
@@ -91,6 +95,11 @@ static inline vf vf_min(vf a, vf b) {
 }
 static inline vf vf_max(vf a, vf b) {
     return _mm256_max_ps(a, b);
+}
+static inline float vf_least(vf v) {
+    const __m128 half = _mm_min_ps(_mm256_castps256_ps128(v), _mm256_extractf128_ps(v, 1));
+    const __m128 two = _mm_min_ps(half, _mm_movehl_ps(half, half));
+    return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
 }
 static inline bool vi_any(vi mask) {
     return _mm256_movemask_ps((__m256)mask) != 0;
@@ -126,6 +135,12 @@ static inline vf vf_max(vf a, vf b) {
     return vf_where(a > b, a, b);
 }
 #endif
+static inline float vf_least(vf v) {
+    float least = v[0];
+    for (int i = 1; i < WIDE; i++)
+        least = v[i] < least ? v[i] : least;
+    return least;
+}
 static inline bool vi_any(vi mask) {
     int32_t any = 0;
     for (int i = 0; i < WIDE; i++)
