@@ -25,8 +25,8 @@
 
 /* Up to this many texels in all layers one thread draws straight through: they stay in a cache. So
  * do threads for as large a target where there is a triangle for every few texels, and one thread
- * for any target. But not a few large triangles one over the other: they would go through the whole
- * map each. */
+ * for any target where there is one for every few texels of each layer. But not a few large
+ * triangles one over the other: they would go through the whole map each. */
 #define WHOLE_TEXELS (2048u * 2048u)
 #define WHOLE_TEXELS_PER_TRIANGLE 4
 #define WHOLE_TEXELS_PER_TRIANGLE_ALONE 20
@@ -114,7 +114,7 @@ static bool suits_whole(const shb_context *context, const shb_draw_desc *desc, u
     const uint32_t layers = 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
     if (context->threads == 1)
         return texels <= WHOLE_TEXELS / layers ||
-               triangles >= texels / WHOLE_TEXELS_PER_TRIANGLE_ALONE;
+               triangles >= layers * (texels / WHOLE_TEXELS_PER_TRIANGLE_ALONE);
     return texels <= WHOLE_TEXELS && triangles >= texels / WHOLE_TEXELS_PER_TRIANGLE;
 }
 

@@ -124,6 +124,12 @@ static bool is_sure(range r) {
     return r.lo >= -CLIP_SURE && r.hi <= CLIP_SURE;
 }
 
+/* Where w is 1 the clip coordinates' ranges tell it: a sum with 1 has its exact sign. */
+static bool is_outside_affine(const shb_cluster_view *view, range x, range y, range z) {
+    return x.hi < -1 || x.lo > 1 || y.hi < -1 || y.lo > 1 ||
+           z.hi < -view->target->volume.cut[0].offset;
+}
+
 static bool is_outside(const shb_cluster_view *view, const middle_box *box) {
     /* Rows are rounded sums: their sizes are those of the rows added. */
     const double size_w = size_in(view->rows[ROW_W], box);
@@ -134,6 +140,14 @@ static bool is_outside(const shb_cluster_view *view, const middle_box *box) {
             return true;
     }
     return false;
+}
+
+/* True if no vertex lies behind the near plane. */
+static bool is_before_eye(const shb_cluster_view *view, const middle_box *box, range z) {
+    if (view->affine)
+        return z.lo >= -view->target->volume.cut[0].offset;
+    const double size = size_in(view->rows[ROW_Z], box) + size_in(view->rows[ROW_W], box);
+    return range_in(view->planes[0], box).lo > 2 * CLIP_DOUBT * size;
 }
 
 static range widen(range r, double by) {
@@ -244,7 +258,7 @@ shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluste
     const range w = view->affine ? (range){1, 1} : range_in(view->rows[ROW_W], &box);
     if (!is_sure(x) || !is_sure(y) || !is_sure(z) || !is_sure(w))
         return SHB_CLUSTER_DOUBTFUL;
-    if (is_outside(view, &box))
+    if (view->affine ? is_outside_affine(view, x, y, z) : is_outside(view, &box))
         return SHB_CLUSTER_DROPPED;
     if (!(w.lo >= 0x1p-500))
         return SHB_CLUSTER_DOUBTFUL;
@@ -259,13 +273,9 @@ shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluste
         return SHB_CLUSTER_DOUBTFUL;
     double doubt_z;
     const range depth = project(view, &box, ROW_Z, z, w.lo, &doubt_z);
-    const range near = range_in(view->planes[0], &box);
     const double guard = SHB_GUARD_PIXELS - 1;
-    const bool usable =
-        near.lo > 2 * CLIP_DOUBT *
-                      (size_in(view->rows[ROW_Z], &box) + size_in(view->rows[ROW_W], &box)) &&
-        largest(window.x) <= guard && largest(window.y) <= guard;
-    if (!usable)
+    if (!is_before_eye(view, &box, z) || !(largest(window.x) <= guard) ||
+        !(largest(window.y) <= guard))
         return SHB_CLUSTER_DOUBTFUL;
     seen->samples = samples_in(view, &window);
     seen->nearest = nearest_sample(depth);
