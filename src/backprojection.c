@@ -5,6 +5,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "kernels/moments.h"
 #include "kernels/shade.h"
 #include "moment_map.h"
 
@@ -23,13 +24,13 @@ shb_result shb_backprojection_prepare(const shb_map *map, const shb_filter *filt
     const shb_result result = check_params(map, filter);
     if (result != SHB_OK)
         return result;
-    shb_backprojection *made = shb_alloc(map->context, 1, sizeof *made);
-    if (!made || !shb_light_span_create(map, filter->params[SHB_PARAM_LIGHT], &made->span)) {
+    shb_backprojection *made = *prepared ? *prepared : shb_alloc(map->context, 1, sizeof *made);
+    if (!made ||
+        (!*prepared && !shb_light_span_create(map, filter->params[SHB_PARAM_LIGHT], &made->span))) {
         shb_free(map->context, made);
-        return shb_fail(map->context, SHB_ERROR_MEMORY,
-                        "shb_map_prepare: no memory for the filter \"%s\" over %u by %u texels",
-                        filter->name, (unsigned)map->info.width, (unsigned)map->info.height);
+        return shb_filter_no_memory(map, filter);
     }
+    shb_light_span_fill(map, &made->span);
     made->window = (int)filter->params[SHB_PARAM_WINDOW];
     *prepared = made;
     *bytes = sizeof *made + made->span.minima.bytes;
@@ -48,15 +49,17 @@ static int32_t larger(int32_t a, int32_t b) {
     return a > b ? a : b;
 }
 
-/* Cuts the box into quads, whose borders are multiples of the stride in the map. */
-static void set_quads(shb_quad_window *w, const shb_texel_box *box) {
+/* Cuts the window into quads, whose borders are multiples of the stride in the map. */
+static void set_quads(shb_quad_window *w, const shb_light_windows *windows, size_t index) {
+    const int32_t x0 = windows->x0[index], x1 = windows->x1[index];
+    const int32_t y0 = windows->y0[index], y1 = windows->y1[index];
     const int32_t most = w->projection->window;
-    const int32_t side = larger(box->x1 - box->x0, box->y1 - box->y0) + 1;
+    const int32_t side = larger(x1 - x0, y1 - y0) + 1;
     w->stride = (side + most - 1) / most;
-    w->first_x = box->x0 / w->stride;
-    w->first_y = box->y0 / w->stride;
-    w->columns = box->x1 / w->stride - w->first_x + 1;
-    w->rows = box->y1 / w->stride - w->first_y + 1;
+    w->first_x = x0 / w->stride;
+    w->first_y = y0 / w->stride;
+    w->columns = x1 / w->stride - w->first_x + 1;
+    w->rows = y1 / w->stride - w->first_y + 1;
 }
 
 /* One over the difference of depth to the fragment, where a quad's middle texel is in front of the
@@ -76,30 +79,35 @@ static void read_inverses(const shb_quad_window *w, int32_t quad_y, float *inver
     for (size_t i = 0; i < count; i++) {
         const float limit = plane + (float)(columns[i] - w->texel_x) * w->step_x;
         const float depth = depths[i] > near_depth ? depths[i] : near_depth;
-        const float difference = w->place.depth - depth;
+        const float difference = w->depth - depth;
         const bool blocks = (depths[i] < limit) & (difference > 0);
         inverses[i] = blocks ? 1 / difference : 0;
     }
 }
 
-bool shb_quad_window_open(const shb_backprojection *projection, const shb_map *map,
-                          const shb_receivers *receivers, size_t index, shb_quad_window *window) {
+void shb_quad_windows_find(const shb_filter_args *args, shb_light_windows *windows) {
+    const shb_backprojection *projection = args->prepared;
+    shb_moment_kernels_in(args)->windows(args->map, &projection->span, args->count, args->receivers,
+                                         windows);
+}
+
+bool shb_quad_window_open(const shb_filter_args *args, const shb_light_windows *windows,
+                          size_t index, shb_quad_window *window) {
+    const shb_receivers *receivers = args->receivers;
     shb_quad_window *w = window;
-    w->projection = projection;
-    w->map = map;
+    if (windows->nearest[index] >= windows->depth[index])
+        return false;
+    w->projection = args->prepared;
+    w->map = args->map;
     w->texel_x = receivers->texel_x[index];
     w->texel_y = receivers->texel_y[index];
     w->ref = receivers->ref[index];
     w->step_x = receivers->step_x[index];
     w->step_y = receivers->step_y[index];
-    const shb_light_span *span = &projection->span;
-    if (!shb_light_place_of(map, span, receivers, index, &w->place))
-        return false;
-    const float nearest = shb_light_span_nearest(map, span, &w->place);
-    if (nearest >= w->place.depth)
-        return false;
-    const shb_texel_box box = shb_light_span_box(map, span, &w->place, w->place.depth - nearest);
-    set_quads(w, &box);
+    w->x = windows->x[index];
+    w->y = windows->y[index];
+    w->depth = windows->depth[index];
+    set_quads(w, windows, index);
     memset(w->here, 0, (size_t)w->columns * sizeof *w->here);
     return true;
 }
@@ -138,12 +146,12 @@ bool shb_quad_window_read(shb_quad_window *window, int32_t row, float parts, shb
         return false;
     const int32_t stride = w->stride;
     const float unit_x = 1 / w->projection->span.x, unit_y = 1 / w->projection->span.y;
-    const float top = ((float)(quad_y * stride) - w->place.y) * unit_y;
-    const float bottom = ((float)((quad_y + 1) * stride) - w->place.y) * unit_y;
+    const float top = ((float)(quad_y * stride) - w->y) * unit_y;
+    const float bottom = ((float)((quad_y + 1) * stride) - w->y) * unit_y;
     for (size_t i = 0; i < count; i++) {
         const int32_t quad_x = w->first_x + (int32_t)i;
-        const float left = ((float)(quad_x * stride) - w->place.x) * unit_x;
-        const float right = ((float)((quad_x + 1) * stride) - w->place.x) * unit_x;
+        const float left = ((float)(quad_x * stride) - w->x) * unit_x;
+        const float right = ((float)((quad_x + 1) * stride) - w->x) * unit_x;
         const float inverse = w->here[i], before = i > 0 ? w->here[i - 1] : 0;
         quads->x0[i] = part_of_light(begin_of(left, inverse, before), parts);
         quads->x1[i] = part_of_light(right * inverse, parts);

@@ -31,17 +31,20 @@ typedef struct shb_quad_window {
     const shb_map *map;
     int32_t texel_x, texel_y;  /* of the fragment */
     float ref, step_x, step_y; /* its plane */
-    shb_light_place place;
-    int32_t first_x, first_y; /* quad */
+    float x, y, depth;         /* its place in the map, texels, and its depth there */
+    int32_t first_x, first_y;  /* quad */
     int32_t columns, rows, stride;
     /* 1 / difference of depth of the quads of the row that is read and the one above; 0: none. What
      * lies before the window never reaches into the light. */
     float above[SHB_WINDOW_BUFFER], here[SHB_WINDOW_BUFFER];
 } shb_quad_window;
 
+/* The windows of a batch, for shb_quad_window_open. */
+void shb_quad_windows_find(const shb_filter_args *args, shb_light_windows *windows);
+
 /* False if nothing is in front of fragment index: it is lit. */
-bool shb_quad_window_open(const shb_backprojection *projection, const shb_map *map,
-                          const shb_receivers *receivers, size_t index, shb_quad_window *window);
+bool shb_quad_window_open(const shb_filter_args *args, const shb_light_windows *windows,
+                          size_t index, shb_quad_window *window);
 
 /* What the quads of one row cover of the light, rounded to parts of its width: 0 .. parts. An empty
  * one has equal sides. Sides that quads share are the same number. */

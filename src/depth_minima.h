@@ -12,21 +12,17 @@ enum { SHB_MINIMA_SHIFT = 3, SHB_MINIMA_LEVELS = 12 };
 typedef struct shb_depth_minima {
     int count; /* of levels */
     uint32_t columns[SHB_MINIMA_LEVELS], rows[SHB_MINIMA_LEVELS];
-    float *cells[SHB_MINIMA_LEVELS]; /* canonical depths, not nearer than the near plane */
+    uint32_t firsts[SHB_MINIMA_LEVELS]; /* where a level begins in cells */
+    float *cells;                       /* canonical depths, not nearer than the near plane */
     size_t bytes;
 } shb_depth_minima;
 
-/* Works on the context's threads. False: no memory, and nothing to be destroyed. */
+/* False: no memory. */
 bool shb_depth_minima_create(const shb_map *map, shb_depth_minima *minima);
 
+/* Works on the context's threads. */
+void shb_depth_minima_fill(const shb_map *map, const shb_depth_minima *minima);
+
 void shb_depth_minima_destroy(const shb_map *map, shb_depth_minima *minima);
-
-/* A rectangle of texels inside the map, last ones included. */
-typedef struct shb_texel_box {
-    int32_t x0, y0, x1, y1;
-} shb_texel_box;
-
-/* No texel of the box is nearer than this. */
-float shb_depth_minima_over(const shb_depth_minima *minima, const shb_texel_box *box);
 
 #endif

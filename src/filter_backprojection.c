@@ -15,12 +15,13 @@ static uint64_t covered_of_row(const shb_quad_row *row, size_t count) {
     return sum;
 }
 
-static float visible_part(const shb_filter_args *args, size_t index) {
+static float visible_part(const shb_filter_args *args, const shb_light_windows *windows,
+                          size_t index) {
     const uint64_t all = (uint64_t)PARTS * PARTS;
     shb_quad_window window;
     shb_quad_row row;
     uint64_t covered = 0;
-    if (!shb_quad_window_open(args->prepared, args->map, args->receivers, index, &window))
+    if (!shb_quad_window_open(args, windows, index, &window))
         return 1;
     for (int32_t y = 0; y < window.rows; y++)
         if (shb_quad_window_read(&window, y, PARTS, &row))
@@ -29,8 +30,10 @@ static float visible_part(const shb_filter_args *args, size_t index) {
 }
 
 static void backprojection(const shb_filter_args *args) {
+    shb_light_windows windows;
+    shb_quad_windows_find(args, &windows);
     for (size_t i = 0; i < args->count; i++)
-        args->visibility[i] = visible_part(args, i);
+        args->visibility[i] = visible_part(args, &windows, i);
 }
 
 shb_filter shb_filter_backprojection(float light_size, int window) {

@@ -63,11 +63,12 @@ static int count_bits(uint64_t word) {
     return (int)(word * 0x0101010101010101u >> 56);
 }
 
-static float visible_part(const shb_filter_args *args, const light_samples *samples, size_t index) {
+static float visible_part(const shb_filter_args *args, const shb_light_windows *windows,
+                          const light_samples *samples, size_t index) {
     shb_quad_window window;
     shb_quad_row row;
     sample_set covered = {{0}};
-    if (!shb_quad_window_open(args->prepared, args->map, args->receivers, index, &window))
+    if (!shb_quad_window_open(args, windows, index, &window))
         return 1;
     for (int32_t y = 0; y < window.rows; y++) {
         if (!shb_quad_window_read(&window, y, (float)samples->count, &row))
@@ -83,9 +84,11 @@ static float visible_part(const shb_filter_args *args, const light_samples *samp
 
 static void bitmask(const shb_filter_args *args) {
     light_samples samples;
+    shb_light_windows windows;
+    shb_quad_windows_find(args, &windows);
     place_samples((int)args->filter->params[SAMPLES], &samples);
     for (size_t i = 0; i < args->count; i++)
-        args->visibility[i] = visible_part(args, &samples, i);
+        args->visibility[i] = visible_part(args, &windows, &samples, i);
 }
 
 static shb_result prepare(const shb_map *map, const shb_filter *filter, void **prepared,

@@ -2,28 +2,19 @@
  * is not a constant here but the square of what rounding and format may do to the distance. */
 #include "strict.h"
 
+#include "kernels/moments.h"
 #include "moment_soft.h"
-#include "project.h"
 
 enum { SIZE, BLEEDING };
 
-static void judge(const shb_moment_question *question, shb_moment_answer *answer) {
-    const shb_distance_batch *receiver = question->receiver;
-    const shb_moment_batch *box = question->images;
-    for (size_t i = 0; i < shb_round_to_lanes(question->count); i++) {
-        const float t = receiver->at[i], mean = box->at[0][i];
-        const float variance = box->at[1][i] + receiver->error[i] * receiver->error[i];
-        answer->lit[i] = shb_chebyshev(t, mean, variance);
-        answer->blocker[i] = shb_chebyshev_below(t, mean, variance);
-    }
-}
-
 static void variance(const shb_filter_args *args) {
-    shb_moment_map_visibility(args, judge, true, args->filter->params[BLEEDING]);
+    shb_moment_map_visibility(args, shb_moment_kernels_in(args)->variance, true,
+                              args->filter->params[BLEEDING]);
 }
 
 static void variance_soft(const shb_filter_args *args) {
-    shb_moment_soft_visibility(args, judge, args->filter->params[BLEEDING]);
+    shb_moment_soft_visibility(args, shb_moment_kernels_in(args)->variance,
+                               args->filter->params[BLEEDING]);
 }
 
 static shb_result check_bleeding(const shb_map *map, const shb_filter *filter) {
@@ -40,7 +31,7 @@ static shb_result prepare(const shb_map *map, const shb_filter *filter, void **p
         return result;
     const shb_moment_map plan = {
         .size = (int)filter->params[SIZE], .image_count = 1, .images = {{.count = 2}}};
-    return shb_moment_map_prepare(map, filter->name, &plan, prepared, bytes);
+    return shb_moment_map_prepare(map, filter, &plan, prepared, bytes);
 }
 
 shb_filter shb_filter_variance(int size, float bleeding) {

@@ -19,28 +19,23 @@ typedef struct shb_light_span {
     shb_depth_minima minima;
 } shb_light_span;
 
-/* Works on the context's threads. False: no memory, and nothing to be destroyed. */
+/* False: no memory. */
 bool shb_light_span_create(const shb_map *map, float light_size, shb_light_span *span);
+
+/* Reads the depths of the map. Works on the context's threads. */
+void shb_light_span_fill(const shb_map *map, const shb_light_span *span);
+
 void shb_light_span_destroy(const shb_map *map, shb_light_span *span);
 
-/* A fragment's place in the map, texels, and the canonical depth of its receiver plane there, not
- * beyond the far plane. */
-typedef struct shb_light_place {
-    float x, y, depth;
-} shb_light_place;
-
-/* False for a fragment that is lit because it lies outside the map, before the near plane or has no
- * plane. */
-bool shb_light_place_of(const shb_map *map, const shb_light_span *span,
-                        const shb_receivers *receivers, size_t index, shb_light_place *place);
-
-/* The texels of the map that the light spans for a blocker so much nearer than the fragment. */
-shb_texel_box shb_light_span_box(const shb_map *map, const shb_light_span *span,
-                                 const shb_light_place *place, float nearer_by);
-
-/* The least depth of all that could stand between fragment and light; not less than the fragment's
- * if there is nothing. */
-float shb_light_span_nearest(const shb_map *map, const shb_light_span *span,
-                             const shb_light_place *place);
+/* What could stand between fragments and the light. */
+typedef struct shb_light_windows {
+    SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH]; /* the fragment's place in the map, texels */
+    float depth[SHB_BATCH];   /* of its receiver plane there, not beyond the far plane */
+    float nearest[SHB_BATCH]; /* no texel that could stand between is nearer; not less than depth if
+                                 there is nothing, or the fragment lies outside the map, before the
+                                 near plane or has no plane */
+    int32_t x0[SHB_BATCH], y0[SHB_BATCH]; /* the texels of the map that the light spans for the */
+    int32_t x1[SHB_BATCH], y1[SHB_BATCH]; /* nearest, last ones included */
+} shb_light_windows;
 
 #endif

@@ -93,6 +93,7 @@ typedef struct shb_prepared {
     shb_filter filter;
     void *data;
     size_t bytes;
+    bool outdated; /* the map was drawn since */
 } shb_prepared;
 
 struct shb_map {

@@ -152,7 +152,7 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
     if (combines)
         combine_rows(map, bias, &drawn);
     set_lists(map, NULL);
-    shb_prepared_release(map);
+    shb_prepared_outdate(map);
     if (prepares)
         shb_occluders_finish(map, keeps_texels, &occluders);
     set_lists(map, lists);

@@ -2,8 +2,7 @@
 
 #include "moment_map.h"
 
-#include <math.h>
-
+#include "kernels/moments.h"
 #include "project.h"
 
 shb_result shb_filter_check_param(const shb_map *map, const shb_filter *filter, const char *param,
@@ -25,25 +24,36 @@ shb_result shb_filter_check_size(const shb_map *map, const shb_filter *filter, f
                     filter->name);
 }
 
-shb_result shb_moment_map_prepare(const shb_map *map, const char *name, const shb_moment_map *plan,
-                                  void **prepared, size_t *bytes) {
+shb_result shb_filter_no_memory(const shb_map *map, const shb_filter *filter) {
+    return shb_fail(map->context, SHB_ERROR_MEMORY,
+                    "shb_map_prepare: no memory for the filter \"%s\" over %u by %u texels",
+                    filter->name, (unsigned)map->info.width, (unsigned)map->info.height);
+}
+
+/* NULL: no memory. */
+static shb_moment_map *create(const shb_map *map, const shb_moment_map *plan) {
     shb_moment_map *made = shb_alloc(map->context, 1, sizeof *made);
-    bool complete = made != NULL;
+    if (!made)
+        return NULL;
+    *made = *plan;
+    for (int i = 0; i < plan->image_count; i++)
+        if (!shb_moment_image_create(map, &made->images[i])) {
+            shb_moment_map_release(map, made);
+            return NULL;
+        }
+    return made;
+}
+
+shb_result shb_moment_map_prepare(const shb_map *map, const shb_filter *filter,
+                                  const shb_moment_map *plan, void **prepared, size_t *bytes) {
+    shb_moment_map *made = *prepared ? *prepared : create(map, plan);
+    if (!made)
+        return shb_filter_no_memory(map, filter);
     size_t made_bytes = sizeof *made;
-    if (made) {
-        *made = *plan;
-        made->distance = shb_distance_of(map);
-    }
-    for (int i = 0; i < plan->image_count && complete; i++) {
-        shb_moment_image *image = &made->images[i];
-        complete = shb_moment_image_create(map, &made->distance, plan->size, image);
-        made_bytes += shb_moment_image_bytes(image);
-    }
-    if (!complete) {
-        shb_moment_map_release(map, made);
-        return shb_fail(map->context, SHB_ERROR_MEMORY,
-                        "shb_map_prepare: no memory for the filter \"%s\" over %u by %u texels",
-                        name, (unsigned)map->info.width, (unsigned)map->info.height);
+    made->distance = shb_distance_of(map);
+    for (int i = 0; i < plan->image_count; i++) {
+        shb_moment_image_fill(map, &made->distance, plan->size, &made->images[i]);
+        made_bytes += shb_moment_image_bytes(&made->images[i]);
     }
     *prepared = made;
     *bytes = made_bytes;
@@ -52,26 +62,9 @@ shb_result shb_moment_map_prepare(const shb_map *map, const char *name, const sh
 
 void shb_moment_map_release(const shb_map *map, void *prepared) {
     shb_moment_map *moments = prepared;
-    for (int i = 0; moments && i < moments->image_count; i++)
+    for (int i = 0; i < moments->image_count; i++)
         shb_moment_image_destroy(map, &moments->images[i]);
     shb_free(map->context, moments);
-}
-
-/* A plane over a kernel of the square width n^2 has the variance n^2 / 12 of its square step on
- * each axis. */
-void shb_moment_receivers(const shb_distance *distance, const shb_receivers *receivers,
-                          const float *square_widths, size_t count, shb_distance_batch *distances) {
-    const shb_receivers *restrict r = receivers;
-    const size_t lanes = shb_round_to_lanes(count);
-    for (size_t i = 0; i < lanes; i++) {
-        const float step_x = r->step_x[i], step_y = r->step_y[i];
-        const float run = step_x * r->to_center_x[i] + step_y * r->to_center_y[i];
-        const float deviation =
-            sqrtf((step_x * step_x + step_y * step_y) * (square_widths[i] / 12));
-        const float depth = (r->ref[i] - run) - deviation;
-        distances->at[i] = shb_distance_at(distance, depth);
-        distances->error[i] = shb_distance_error(distance, depth);
-    }
 }
 
 /* What lies below bleeding becomes 0, and the rest spans 0 .. 1 again (Lauritzen 2007). */
@@ -99,16 +92,19 @@ static void fill_widths(const shb_moment_map *moments, bool steady, float *squar
 void shb_moment_map_visibility(const shb_filter_args *args, shb_moment_judge *judge, bool steady,
                                float bleeding) {
     const shb_moment_map *moments = args->prepared;
+    const shb_moment_kernels *kernels = shb_moment_kernels_in(args);
     SHB_ALIGN float square_widths[SHB_BATCH];
     shb_distance_batch receiver;
     shb_moment_batch images[SHB_MOMENT_IMAGES_MAX];
     shb_moment_answer answer;
     fill_widths(moments, steady, square_widths);
-    shb_moment_receivers(&moments->distance, args->receivers, square_widths, args->count,
-                         &receiver);
-    for (int i = 0; i < moments->image_count; i++)
-        shb_moment_image_sample(&moments->images[i], args->receivers, args->count, &images[i]);
-    const shb_moment_question question = {args->count, args->filter->params, &receiver, images};
+    kernels->receivers(&moments->distance, args->count, args->receivers, square_widths, &receiver);
+    float exponents[SHB_MOMENT_IMAGES_MAX];
+    for (int i = 0; i < moments->image_count; i++) {
+        exponents[i] = moments->images[i].exponent;
+        kernels->sample_image(&moments->images[i], args->count, args->receivers, &images[i]);
+    }
+    const shb_moment_question question = {args->count, exponents, &receiver, images};
     judge(&question, &answer);
     shb_moment_finish(args, bleeding, answer.lit);
 }

@@ -21,28 +21,33 @@ typedef struct shb_moment_level {
 typedef struct shb_moment_pyramid {
     int count;      /* moments of a box: 2 or 4 */
     float exponent; /* shb_moment_warp */
+    float far;      /* what is averaged outside the map */
     int level_count;
     shb_moment_level levels[SHB_MOMENT_LEVELS];
+    uint32_t firsts[SHB_MOMENT_LEVELS];     /* where a level begins, boxes */
+    float square_widths[SHB_MOMENT_LEVELS]; /* of the kernels of a level alone, texels */
+    float *boxes;                           /* of all levels */
     size_t bytes;
 } shb_moment_pyramid;
 
-/* Levels up to the one whose boxes are as wide as the map. Outside the map distance is 1. Works on
- * the context's threads; the bits do not depend on their number. Set exponent and count before the
- * call. False: no memory. */
-bool shb_moment_pyramid_create(const shb_map *map, const shb_distance *distance,
-                               shb_moment_pyramid *pyramid);
+/* Levels up to the one whose boxes are as wide as the map; exponent and count are set. False: no
+ * memory. */
+bool shb_moment_pyramid_create(const shb_map *map, shb_moment_pyramid *pyramid);
+
+/* Outside the map distance is 1. Works on the context's threads; the bits do not depend on their
+ * number. */
+void shb_moment_pyramid_fill(const shb_map *map, const shb_distance *distance,
+                             shb_moment_pyramid *pyramid);
 
 void shb_moment_pyramid_destroy(const shb_map *map, shb_moment_pyramid *pyramid);
 
 /* Squares of widths of kernels, texels. On each axis a kernel has at most the second moment of a
  * box of its width w, w^2 / 12. */
-float shb_moment_pyramid_least(void);
-float shb_moment_pyramid_most(const shb_moment_pyramid *pyramid);
-
-/* The moments of a kernel around each fragment; square_widths lie between least and most. Those of
- * fragments outside the map mean nothing. */
-void shb_moment_pyramid_sample(const shb_moment_pyramid *pyramid, const shb_map_info *info,
-                               const shb_receivers *receivers, const float *square_widths,
-                               size_t count, shb_moment_batch *moments);
+static inline float shb_moment_pyramid_least(const shb_moment_pyramid *pyramid) {
+    return pyramid->square_widths[0];
+}
+static inline float shb_moment_pyramid_most(const shb_moment_pyramid *pyramid) {
+    return pyramid->square_widths[pyramid->level_count - 1];
+}
 
 #endif

@@ -9,6 +9,7 @@
 #define SRC_MOMENTS_H
 
 #include "distance.h"
+#include "exponential.h"
 
 /* Sides of boxes are odd and at most this long. */
 #define SHB_MOMENT_SIZE_MAX 63
@@ -19,7 +20,16 @@ enum { SHB_MOMENTS_MAX = 4 };
 
 /* What is averaged at distance x: x itself for exponent 0, else exp(exponent * (x - 0.5)) with the
  * sign of the exponent. It grows with x in any case. */
-float shb_moment_warp(float exponent, float distance);
+static inline float shb_moment_warp(float exponent, float distance) {
+    if (exponent == 0)
+        return distance;
+    const float warped = shb_exponential(exponent * (distance - 0.5f));
+    return exponent > 0 ? warped : -warped;
+}
+
+/* That of count texels of a row. */
+void shb_moment_values(const shb_map *map, const shb_distance *distance, float exponent, int32_t x,
+                       int32_t y, size_t count, float *values);
 
 typedef struct shb_moment_image {
     uint32_t width, height; /* of the map and a border of one texel */
@@ -28,10 +38,13 @@ typedef struct shb_moment_image {
     float *texels;
 } shb_moment_image;
 
+/* The texels of an image for the map, whose exponent and count are set. False: no memory. */
+bool shb_moment_image_create(const shb_map *map, shb_moment_image *image);
+
 /* The box of size x size texels; outside the map distance is 1. Works on the context's threads; the
- * bits do not depend on their number. Sets exponent and count before the call. False: no memory. */
-bool shb_moment_image_create(const shb_map *map, const shb_distance *distance, int size,
-                             shb_moment_image *image);
+ * bits do not depend on their number. */
+void shb_moment_image_fill(const shb_map *map, const shb_distance *distance, int size,
+                           shb_moment_image *image);
 
 /* NULL texels are ignored. */
 void shb_moment_image_destroy(const shb_map *map, shb_moment_image *image);
@@ -43,23 +56,30 @@ typedef struct shb_moment_batch {
     SHB_ALIGN float at[SHB_MOMENTS_MAX][SHB_BATCH];
 } shb_moment_batch;
 
-/* The distributions at the four corners of a cell, and a place in it, 0 .. 1 from the left and from
- * the top. */
-typedef struct shb_moment_corners {
-    shb_moment_batch at[4]; /* row by row */
-    SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH];
-} shb_moment_corners;
+/* Of one filter. */
+enum { SHB_MOMENT_IMAGES_MAX = 2 };
 
-/* 1 - f parts of a and f parts of b, into a. */
-void shb_moment_mix(int count, size_t lanes, const float *restrict f, shb_moment_batch *restrict a,
-                    const shb_moment_batch *restrict b);
+/* The receiver planes at the fragments' own places. */
+typedef struct shb_distance_batch {
+    SHB_ALIGN float at[SHB_BATCH]; /* distance, 0 .. 1; 0 where the plane is NaN */
+    SHB_ALIGN float error[SHB_BATCH];
+} shb_distance_batch;
 
-/* The mixture at the place, into the first corner. */
-void shb_moment_mix_corners(int count, size_t lanes, shb_moment_corners *corners);
+/* Receivers and the moments around them, one batch for each image of the filter. */
+typedef struct shb_moment_question {
+    size_t count;
+    const float *exponents; /* of the images */
+    const shb_distance_batch *receiver;
+    const shb_moment_batch *images;
+} shb_moment_question;
 
-/* The moments between the four texels around each fragment. Those of fragments outside the map mean
- * nothing. */
-void shb_moment_image_sample(const shb_moment_image *image, const shb_receivers *receivers,
-                             size_t count, shb_moment_batch *moments);
+typedef struct shb_moment_answer {
+    SHB_ALIGN float lit[SHB_BATCH]; /* an upper bound of what does not lie in front */
+    float blocker[SHB_BATCH]; /* a mean distance of what does, 0 .. 1; means nothing where all is
+                                 lit */
+} shb_moment_answer;
+
+/* What a filter makes of moments. */
+typedef void shb_moment_judge(const shb_moment_question *question, shb_moment_answer *answer);
 
 #endif

@@ -7,21 +7,36 @@ static bool is_same(const shb_filter *a, const shb_filter *b) {
            memcmp(a->params, b->params, sizeof a->params) == 0;
 }
 
-const void *shb_prepared_find(const shb_map *map, const shb_filter *filter) {
+/* The place of what the same filter made, or -1. */
+static int find(const shb_map *map, const shb_filter *filter) {
     for (int i = 0; filter->prepare && i < map->prepared_count; i++)
         if (is_same(&map->prepared[i].filter, filter))
-            return map->prepared[i].data;
-    return NULL;
+            return i;
+    return -1;
+}
+
+const void *shb_prepared_find(const shb_map *map, const shb_filter *filter) {
+    const int found = find(map, filter);
+    return found >= 0 && !map->prepared[found].outdated ? map->prepared[found].data : NULL;
+}
+
+static void release(const shb_map *map, const shb_filter *filter, void *data) {
+    if (filter->release)
+        filter->release(map, data);
 }
 
 /* Later ones move up, so that the first is the oldest. */
-static void drop(shb_map *map, int index) {
-    shb_prepared *dropped = &map->prepared[index];
-    map->info.memory_bytes -= dropped->bytes;
-    if (dropped->filter.release)
-        dropped->filter.release(map, dropped->data);
+static shb_prepared take(shb_map *map, int index) {
+    shb_prepared *place = &map->prepared[index], taken = *place;
+    map->info.memory_bytes -= taken.bytes;
     map->prepared_count--;
-    memmove(dropped, dropped + 1, (size_t)(map->prepared_count - index) * sizeof *dropped);
+    memmove(place, place + 1, (size_t)(map->prepared_count - index) * sizeof *place);
+    return taken;
+}
+
+static void drop(shb_map *map, int index) {
+    const shb_prepared dropped = take(map, index);
+    release(map, &dropped.filter, dropped.data);
 }
 
 void shb_prepared_release(shb_map *map) {
@@ -29,14 +44,23 @@ void shb_prepared_release(shb_map *map) {
         drop(map, map->prepared_count - 1);
 }
 
-/* Makes room for one more, first by what the same filter made with other parameters. */
+void shb_prepared_outdate(shb_map *map) {
+    for (int i = 0; i < map->prepared_count; i++)
+        map->prepared[i].outdated = true;
+}
+
+/* Makes room for one more: of what the same filter made with other parameters, of what is outdated,
+ * or of the oldest. */
 static void make_room(shb_map *map, const shb_filter *filter) {
     for (int i = map->prepared_count - 1; i >= 0; i--)
         if (map->prepared[i].filter.prepare == filter->prepare &&
             map->prepared[i].filter.user == filter->user)
             drop(map, i);
+    int oldest = 0;
+    for (int i = map->prepared_count - 1; i >= 0; i--)
+        oldest = map->prepared[i].outdated ? i : oldest;
     if (map->prepared_count == SHB_PREPARED_MAX)
-        drop(map, 0);
+        drop(map, oldest);
 }
 
 shb_result shb_map_prepare(shb_map *map, const shb_filter *filter) {
@@ -47,10 +71,17 @@ shb_result shb_map_prepare(shb_map *map, const shb_filter *filter) {
                         filter ? "filter.filter" : "filter");
     if (!filter->prepare)
         return SHB_OK;
+    const int before = find(map, filter);
     shb_prepared made = {.filter = *filter};
+    made.data = before >= 0 ? map->prepared[before].data : NULL;
     const shb_result result = filter->prepare(map, filter, &made.data, &made.bytes);
     if (result != SHB_OK)
         return result;
+    if (before >= 0) {
+        const shb_prepared old = take(map, before);
+        if (old.data != made.data)
+            release(map, filter, old.data);
+    }
     make_room(map, filter);
     map->prepared[map->prepared_count++] = made;
     map->info.memory_bytes += made.bytes;

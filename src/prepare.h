@@ -7,6 +7,9 @@
 /* What was made of the map for the filter, or NULL. */
 const void *shb_prepared_find(const shb_map *map, const shb_filter *filter);
 
+/* None of it is found any more, but what is prepared again is made over. */
+void shb_prepared_outdate(shb_map *map);
+
 /* Frees all of it. */
 void shb_prepared_release(shb_map *map);
 

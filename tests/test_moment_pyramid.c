@@ -1,5 +1,5 @@
 /* Moments over boxes and kernels of all widths, against sums over texels. */
-#include "../src/moment_pyramid.h"
+#include "../src/kernels/moments.h"
 
 #include "depth_map.h"
 #include "probe.h"
@@ -103,7 +103,8 @@ TEST(boxes_of_every_level_hold_the_moments_of_their_texels) {
             depth_map host = depth_map_open(NULL, &desc, depths);
             const shb_distance distance = shb_distance_of(host.map);
             shb_moment_pyramid pyramid = {.count = count, .exponent = (float)exponents[e]};
-            CHECK(shb_moment_pyramid_create(host.map, &distance, &pyramid));
+            CHECK(shb_moment_pyramid_create(host.map, &pyramid));
+            shb_moment_pyramid_fill(host.map, &distance, &pyramid);
             CHECK(2 << (pyramid.level_count - 1) >= (width > height ? width : height));
             for (int k = 0; k < pyramid.level_count; k++) {
                 const shb_moment_level *level = &pyramid.levels[k];
@@ -159,8 +160,9 @@ TEST(kernels_mix_two_sizes_by_the_square_of_their_width) {
     depth_map host = depth_map_open(NULL, &desc, depths);
     const shb_distance distance = shb_distance_of(host.map);
     shb_moment_pyramid pyramid = {.count = 4};
-    CHECK(shb_moment_pyramid_create(host.map, &distance, &pyramid));
-    CHECK(shb_moment_pyramid_least() == 6);
+    CHECK(shb_moment_pyramid_create(host.map, &pyramid));
+    shb_moment_pyramid_fill(host.map, &distance, &pyramid);
+    CHECK(shb_moment_pyramid_least(&pyramid) == 6);
     CHECK_INT(pyramid.level_count, 6);
     CHECK(shb_moment_pyramid_most(&pyramid) == 64 * 64 - 1 + 3 * 16 * 16);
     test_random random = {43};
@@ -179,7 +181,8 @@ TEST(kernels_mix_two_sizes_by_the_square_of_their_width) {
         kernels[i] = (mixture){r.texel_x[i] + 0.5 - (double)r.to_center_x[i],
                                r.texel_y[i] + 0.5 - (double)r.to_center_y[i], part, level};
     }
-    shb_moment_pyramid_sample(&pyramid, shb_map_get_info(host.map), &r, widths, 64, &moments);
+    shb_moment_kernels_of(host.context->isa)
+        ->sample_pyramid(&pyramid, shb_map_get_info(host.map), 64, &r, widths, &moments);
     for (int i = 0; i < 64; i++) {
         const weighted texels = {depths, SIDE, 23,         (int)kernels[i].x, (int)kernels[i].y,
                                  40,     0,    in_mixture, &kernels[i]};

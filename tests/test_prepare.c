@@ -143,11 +143,17 @@ TEST(a_filter_that_needs_preparation_is_refused_without_it) {
     close_host(&h);
 }
 
-TEST(drawing_a_map_forgets_what_was_prepared) {
-    host h = {0};
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &h.context), SHB_OK);
+static void open_drawn_host(host *h) {
+    *h = (host){0};
     const shb_map_desc desc = {.view = probe_orthographic(false), .width = SIZE};
-    CHECK_INT(shb_map_create(h.context, &desc, &h.map), SHB_OK);
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &h->context), SHB_OK);
+    CHECK_INT(shb_map_create(h->context, &desc, &h->map), SHB_OK);
+}
+
+/* Its memory waits for the next preparation, which may return another. */
+TEST(drawing_a_map_outdates_what_was_prepared) {
+    host h;
+    open_drawn_host(&h);
     const size_t plain = shb_map_get_info(h.map)->memory_bytes;
     tally count = {0};
     const shb_filter filter = number_filter(&count, 1);
@@ -155,6 +161,73 @@ TEST(drawing_a_map_forgets_what_was_prepared) {
     CHECK(ask(&h, &filter) == 2);
     CHECK_INT(shb_map_draw(h.map, &(shb_scene){0}, NULL, NULL), SHB_OK);
     CHECK(ask(&h, &filter) == -1);
-    CHECK_INT(shb_map_get_info(h.map)->memory_bytes, plain);
+    CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
+    CHECK(ask(&h, &filter) == 2);
+    CHECK_INT(count.made, 2);
+    CHECK_INT(shb_map_get_info(h.map)->memory_bytes, plain + 1000);
+    close_host(&h);
+}
+
+/* Counts in place how often it was prepared; a parameter of 2 fails the second time. */
+static shb_result count_up(const shb_map *map, const shb_filter *filter, void **prepared,
+                           size_t *bytes) {
+    (void)map;
+    float *number = *prepared;
+    if (!number) {
+        number = calloc(1, sizeof *number);
+        ((tally *)filter->user)->made++;
+    } else if (filter->params[0] == 2)
+        return SHB_ERROR_MEMORY;
+    ++*number;
+    *prepared = number;
+    *bytes = 1000 * (size_t)*number;
+    return SHB_OK;
+}
+
+static shb_filter counting_filter(tally *count, float param) {
+    shb_filter filter = number_filter(count, param);
+    filter.prepare = count_up;
+    return filter;
+}
+
+TEST(what_a_filter_prepared_is_made_over_in_place) {
+    host h;
+    open_drawn_host(&h);
+    const size_t plain = shb_map_get_info(h.map)->memory_bytes;
+    tally count = {0};
+    const shb_filter filter = counting_filter(&count, 1), failing = counting_filter(&count, 2);
+    for (int i = 1; i <= 3; i++) {
+        CHECK_INT(shb_map_draw(h.map, &(shb_scene){0}, NULL, NULL), SHB_OK);
+        CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
+        CHECK(ask(&h, &filter) == (float)i);
+        CHECK_INT(shb_map_get_info(h.map)->memory_bytes, plain + 1000 * (size_t)i);
+    }
+    CHECK_INT(count.made, 1);
+    CHECK_INT(shb_map_prepare(h.map, &failing), SHB_OK);
+    CHECK_INT(shb_map_prepare(h.map, &failing), SHB_ERROR_MEMORY);
+    CHECK(ask(&h, &failing) == 1);
+    CHECK_INT(count.made, 2);
+    close_host(&h);
+}
+
+/* What is up to date stays when there is something else to go. */
+TEST(what_is_outdated_makes_room_first) {
+    host h;
+    open_drawn_host(&h);
+    tally counts[SHB_PREPARED_MAX + 1] = {0};
+    for (int i = 0; i < SHB_PREPARED_MAX; i++) {
+        const shb_filter filter = number_filter(&counts[i], (float)i);
+        CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
+    }
+    CHECK_INT(shb_map_draw(h.map, &(shb_scene){0}, NULL, NULL), SHB_OK);
+    const int order[] = {0, 2, SHB_PREPARED_MAX};
+    for (int k = 0; k < 3; k++) {
+        const shb_filter filter = number_filter(&counts[order[k]], (float)order[k]);
+        CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
+    }
+    for (int k = 0; k < 3; k++) {
+        const shb_filter filter = number_filter(&counts[order[k]], (float)order[k]);
+        CHECK(ask(&h, &filter) == (float)order[k] + 1);
+    }
     close_host(&h);
 }

@@ -50,8 +50,9 @@ typedef struct shb_filter_args {
 typedef void shb_filter_fn(const shb_filter_args *args);
 
 /* What a filter makes of a map before it is asked. Runs on the caller's thread and may use the
- * context's threads. bytes: what the result takes, for shb_map_info. On failure prepared and bytes
- * are untouched. */
+ * context's threads. *prepared is NULL, or what the same filter made of this map before, which may
+ * be made over in place: what is not returned is released. bytes: what the result takes, for
+ * shb_map_info. On failure prepared, what it points to and bytes are untouched. */
 typedef shb_result shb_filter_prepare_fn(const shb_map *map, const shb_filter *filter,
                                          void **prepared, size_t *bytes);
 typedef void shb_filter_release_fn(const shb_map *map, void *prepared);

@@ -14,5 +14,7 @@ SHB_TARGET_BEGIN("avx2")
 #include "k_lists.inl"
 #define SHEET_KERNELS shb_sheet_kernels_avx2
 #include "k_sheets.inl"
+#define MOMENT_KERNELS shb_moment_kernels_avx2
+#include "k_moments.inl"
 SHB_TARGET_END
 #endif

@@ -15,5 +15,7 @@ SHB_TARGET_BEGIN("avx2,avx512f,avx512vl,avx512dq,avx512bw")
 #include "k_lists.inl"
 #define SHEET_KERNELS shb_sheet_kernels_avx512
 #include "k_sheets.inl"
+#define MOMENT_KERNELS shb_moment_kernels_avx512
+#include "k_moments.inl"
 SHB_TARGET_END
 #endif

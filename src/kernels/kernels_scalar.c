@@ -15,3 +15,5 @@
 #include "k_lists.inl"
 #define SHEET_KERNELS shb_sheet_kernels_scalar
 #include "k_sheets.inl"
+#define MOMENT_KERNELS shb_moment_kernels_scalar
+#include "k_moments.inl"

@@ -155,4 +155,71 @@ static inline vf vf_gather(const float *base, vi index) {
 }
 #endif
 
+/* vf_read_quads: four floats from each place on, the first ones into out[0] and so on.
+ * vf_write_quads: the reverse, one quad after the other. */
+#if defined(__x86_64__) && WIDE >= 4
+#if WIDE == 16
+#define UNPACK(part, a, b) _mm512_unpack##part##_ps(a, b)
+#define SHUFFLE(a, b, order) _mm512_shuffle_ps(a, b, order)
+#elif WIDE == 8
+#define UNPACK(part, a, b) _mm256_unpack##part##_ps(a, b)
+#define SHUFFLE(a, b, order) _mm256_shuffle_ps(a, b, order)
+#else
+#define UNPACK(part, a, b) _mm_unpack##part##_ps(a, b)
+#define SHUFFLE(a, b, order) _mm_shuffle_ps(a, b, order)
+#endif
+/* Rows of 4 x 4 floats to columns, in each 128 bits. */
+static inline void turn_quads(const vf in[4], vf out[4]) {
+    const vf a = UNPACK(lo, in[0], in[1]), b = UNPACK(hi, in[0], in[1]);
+    const vf c = UNPACK(lo, in[2], in[3]), d = UNPACK(hi, in[2], in[3]);
+    out[0] = SHUFFLE(a, c, _MM_SHUFFLE(1, 0, 1, 0));
+    out[1] = SHUFFLE(a, c, _MM_SHUFFLE(3, 2, 3, 2));
+    out[2] = SHUFFLE(b, d, _MM_SHUFFLE(1, 0, 1, 0));
+    out[3] = SHUFFLE(b, d, _MM_SHUFFLE(3, 2, 3, 2));
+}
+#undef UNPACK
+#undef SHUFFLE
+/* The quads of lanes i, i + 4, i + 8, ... */
+static inline vf read_every_fourth(const float *base, vu begin, int i) {
+    const __m128 first = _mm_loadu_ps(base + begin[i]);
+#if WIDE == 16
+    const vf one = _mm512_castps128_ps512(first);
+    const vf two = _mm512_insertf32x4(one, _mm_loadu_ps(base + begin[i + 4]), 1);
+    const vf three = _mm512_insertf32x4(two, _mm_loadu_ps(base + begin[i + 8]), 2);
+    return _mm512_insertf32x4(three, _mm_loadu_ps(base + begin[i + 12]), 3);
+#elif WIDE == 8
+    const vf one = _mm256_castps128_ps256(first);
+    return _mm256_insertf128_ps(one, _mm_loadu_ps(base + begin[i + 4]), 1);
+#else
+    return first;
+#endif
+}
+static inline void vf_read_quads(const float *base, vu begin, vf out[4]) {
+    const vf rows[4] = {read_every_fourth(base, begin, 0), read_every_fourth(base, begin, 1),
+                        read_every_fourth(base, begin, 2), read_every_fourth(base, begin, 3)};
+    turn_quads(rows, out);
+}
+static inline void vf_write_quads(float *to, const vf in[4]) {
+    vf columns[4];
+    turn_quads(in, columns);
+    for (int i = 0; i < 4; i++)
+        for (int part = 0; part < WIDE / 4; part++)
+            memcpy(to + 4 * (4 * part + i), (const char *)&columns[i] + 16 * part, 16);
+}
+#else
+static inline void vf_read_quads(const float *base, vu begin, vf out[4]) {
+    for (uint32_t k = 0; k < 4; k++) {
+        vf numbers = {0};
+        for (int i = 0; i < WIDE; i++)
+            numbers[i] = base[begin[i] + k];
+        out[k] = numbers;
+    }
+}
+static inline void vf_write_quads(float *to, const vf in[4]) {
+    for (int i = 0; i < WIDE; i++)
+        for (int k = 0; k < 4; k++)
+            to[4 * i + k] = in[k][i];
+}
+#endif
+
 #endif
