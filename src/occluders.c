@@ -5,6 +5,7 @@
 #include "format.h"
 #include "occluder_planes.h"
 #include "occluder_texels.h"
+#include "prepare.h"
 
 #include <float.h>
 #include <math.h>
@@ -199,5 +200,6 @@ void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *mad
         shb_occluder_texels_resolve(map, &data->scratch);
     if (!keeps || map->info.occluders != SHB_OCCLUDERS_TRIANGLES)
         release_drawn(context, data);
-    map->info.memory_bytes = texel_bytes(map) + scene_bytes(data) + data->scratch.bytes;
+    map->info.memory_bytes =
+        texel_bytes(map) + scene_bytes(data) + data->scratch.bytes + shb_prepared_bytes(map);
 }

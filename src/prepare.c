@@ -20,6 +20,13 @@ const void *shb_prepared_find(const shb_map *map, const shb_filter *filter) {
     return found >= 0 && !map->prepared[found].outdated ? map->prepared[found].data : NULL;
 }
 
+size_t shb_prepared_bytes(const shb_map *map) {
+    size_t bytes = 0;
+    for (int i = 0; i < map->prepared_count; i++)
+        bytes += map->prepared[i].bytes;
+    return bytes;
+}
+
 static void release(const shb_map *map, const shb_filter *filter, void *data) {
     if (filter->release)
         filter->release(map, data);

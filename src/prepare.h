@@ -7,6 +7,9 @@
 /* What was made of the map for the filter, or NULL. */
 const void *shb_prepared_find(const shb_map *map, const shb_filter *filter);
 
+/* What all of it takes. */
+size_t shb_prepared_bytes(const shb_map *map);
+
 /* None of it is found any more, but what is prepared again is made over. */
 void shb_prepared_outdate(shb_map *map);
 
