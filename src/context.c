@@ -14,19 +14,6 @@
 
 enum { THREADS_MAX = 256, HOST_THREADS = 8, SENTENCE_MAX = 256 };
 
-static void *default_alloc(void *user, size_t size, size_t alignment) {
-    (void)user;
-    if (size > SIZE_MAX - alignment)
-        return NULL;
-    /* aligned_alloc of C11 wants whole multiples. */
-    return aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
-}
-
-static void default_free(void *user, void *memory) {
-    (void)user;
-    free(memory);
-}
-
 /* Volatile operands keep the compiler from answering in place of the processor. */
 static bool rounds_to_nearest(void) {
     const volatile double one = 1, tiny = 0x1p-60;
@@ -97,8 +84,7 @@ shb_result shb_context_create(const shb_context_desc *desc, shb_context **contex
     if (result)
         return result;
 
-    made.allocator = desc->allocator.alloc ? desc->allocator
-                                           : (shb_allocator){default_alloc, default_free, NULL};
+    made.allocator = desc->allocator.alloc ? desc->allocator : shb_default_allocator;
     made.parallel_for = desc->parallel_for;
     made.parallel_user = desc->parallel_user;
     made.threads = wanted_threads(desc);

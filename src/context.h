@@ -26,9 +26,12 @@ struct shb_context {
     shb_buffer draw_scratch[19];     /* drawing's own, named in scratch.h */
     shb_buffer map_scratch[4];       /* layers that a map combines */
     shb_buffer occluder_scratch[12]; /* occluders of a map, named in map.h */
-    shb_buffer list_scratch[16];     /* building lists, named in lists_scratch.h */
+    shb_buffer list_scratch[18];     /* building lists, named in lists_scratch.h */
     shb_buffer sheet_scratch[6];     /* finding sheets, named in sheets_bin.h */
 };
+
+/* The C library's memory. */
+extern const shb_allocator shb_default_allocator;
 
 /* count * size bytes on a 64-byte boundary, or NULL when the product overflows or memory is out.
  * Zero bytes give one byte, so that NULL always means failure. */

@@ -51,7 +51,7 @@ static size_t settle(const shb_map *map, const shb_exact_points *points, float *
         y[i] = (float)points->y[i];
         z[i] = (float)points->z[i];
     }
-    kernels->ask(&map->occluders.sheets, points->count, x, y, z, answers);
+    kernels->ask(shb_map_sheets(map), points->count, x, y, z, answers);
     size_t left = 0;
     for (size_t i = 0; i < points->count; i++) {
         visibility[i] = answers[i] == SHB_LIGHT_SHADOWED ? 0.0f : 1.0f;

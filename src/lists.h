@@ -20,6 +20,7 @@
 #include "lists_scratch.h"
 #include "reference/ray.h"
 #include "shadowbias/scene.h"
+#include "sheets.h"
 
 typedef struct shb_list_cell {
     uint32_t start; /* of its entries, among the tile's; the next cell's is their end */
@@ -44,19 +45,20 @@ typedef struct shb_lists {
     uint32_t (*corners)[3];       /* vertices */
     double (*vertices)[3];        /* world */
     uint32_t id_count;
+    shb_sheets sheets;                /* bounds NULL: none were wanted */
     size_t memory_bytes;              /* of all the above */
     shb_buffer memory[SHB_LIST_KEPT]; /* where all the above is */
 } shb_lists;
 
-/* Builds lists of width by height texels of a view that can be inverted, from a checked scene whose
- * indices are in range. They have half that size, or a quarter, and so on, if they would take more
- * than memory_cap bytes otherwise; 0: no cap. SHB_ERROR_MEMORY if one texel's would still take
- * more, SHB_ERROR_SIZE for 2^32 vertices or more, SHB_ERROR_NUMBER for a view without a light;
- * *lists is untouched then. What a cell holds does not depend on threads. Failures are logged in
- * the name of caller. */
+/* Builds lists, and sheets if they are wanted, of width by height texels of a view that can be
+ * inverted, from a checked scene whose indices are in range. They have half that size, or a
+ * quarter, and so on, if they would take more than memory_cap bytes otherwise; 0: no cap.
+ * SHB_ERROR_MEMORY if one texel's would still take more, SHB_ERROR_SIZE for 2^32 vertices or more,
+ * SHB_ERROR_NUMBER for a view without a light; *lists is untouched then. What a cell holds does not
+ * depend on threads. Failures are logged in the name of caller. */
 shb_result shb_lists_build(shb_context *context, const char *caller, const shb_view *view,
                            uint32_t width, uint32_t height, const shb_scene *scene,
-                           size_t memory_cap, shb_lists **lists);
+                           size_t memory_cap, bool with_sheets, shb_lists **lists);
 
 /* Both free lists; NULL is ignored. The first keeps their memory in the context for the next ones:
  * only where nothing else is built at the same time. */
@@ -89,6 +91,9 @@ static inline size_t shb_list_cell_of(const shb_list_tile *tile, uint32_t column
     return tile->first_cell + (size_t)block * SHB_LIST_LANES + y % SHB_LIST_BLOCK * SHB_LIST_BLOCK +
            x % SHB_LIST_BLOCK;
 }
+
+/* What a map with desc.classifies answers certainly from. */
+const shb_sheets *shb_map_sheets(const shb_map *map);
 
 /* The world corners of a triangle. */
 shb_triangle shb_lists_triangle(const shb_lists *lists, uint32_t id);

@@ -36,7 +36,7 @@ static void load_and_count(void *arg, size_t part) {
     const bin_job *job = arg;
     uint32_t begin, end;
     part_of(job, part, &begin, &end);
-    shb_list_load_triangles(job->loading, begin, end, job->bins->boxes);
+    shb_list_load_triangles(job->loading, begin, end, job->bins->boxes, job->bins->outlines);
     for (uint32_t id = begin; id < end; id++)
         bin_triangle(job, id, part, NULL);
 }
@@ -73,9 +73,12 @@ bool shb_list_bins_fill(const shb_list_loading *loading, shb_list_bins *bins) {
     const size_t places = bins->tiles * SHB_LIST_PARTS;
     if (!shb_buffer_reserve(lists->context, &scratch[SHB_LIST_BOXES], lists->id_count,
                             sizeof *bins->boxes) ||
+        (loading->names && !shb_buffer_reserve(lists->context, &scratch[SHB_LIST_OUTLINES],
+                                               lists->id_count, sizeof *bins->outlines)) ||
         !shb_buffer_reserve(lists->context, &scratch[SHB_LIST_ENDS], places, sizeof *bins->ends))
         return false;
     bins->boxes = scratch[SHB_LIST_BOXES].data;
+    bins->outlines = loading->names ? scratch[SHB_LIST_OUTLINES].data : NULL;
     bins->ends = scratch[SHB_LIST_ENDS].data;
     memset(bins->ends, 0, places * sizeof *bins->ends);
     bin_job job = {loading, bins};

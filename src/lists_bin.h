@@ -9,10 +9,11 @@
 
 typedef struct shb_list_bins {
     size_t tiles;
-    shb_list_box *boxes; /* by id */
-    size_t *ends;        /* of tile * SHB_LIST_PARTS + part, in numbers */
-    uint32_t *numbers;   /* ids by tile, in each tile ascending */
-    size_t largest;      /* tile */
+    shb_list_box *boxes;        /* by id */
+    shb_list_outline *outlines; /* NULL: none are wanted */
+    size_t *ends;               /* of tile * SHB_LIST_PARTS + part, in numbers */
+    uint32_t *numbers;          /* ids by tile, in each tile ascending */
+    size_t largest;             /* tile */
 } shb_list_bins;
 
 /* Loads all triangles and sorts them by tile. Everything but the lists' own lies in the context's

@@ -13,6 +13,7 @@ typedef struct build {
     const shb_scene *scene;
     shb_lists *lists;
     size_t vertex_count;
+    bool with_sheets;
     size_t entries;
 } build;
 
@@ -38,10 +39,12 @@ static bool load(build *b, shb_list_bins *bins) {
         .lists = b->lists,
         .scene = b->scene,
         .vertices = reserve(b, SHB_LIST_VERTICES, b->vertex_count, sizeof(shb_list_vertex)),
+        .names =
+            b->with_sheets ? reserve(b, SHB_LIST_NAMES, b->vertex_count, sizeof(uint64_t)) : NULL,
         .vertex_count = b->vertex_count,
         .extents = reserve(b, SHB_LIST_EXTENTS, runs, sizeof(shb_list_extent)),
     };
-    if (!loading.vertices || !loading.extents)
+    if (!loading.vertices || (b->with_sheets && !loading.names) || !loading.extents)
         return false;
     shb_list_load_vertices(&loading);
     return shb_list_bins_fill(&loading, bins);
@@ -71,7 +74,22 @@ static size_t memory_of(const build *b, size_t tiles, size_t cells) {
     return sizeof *lists + tiles * sizeof *lists->tiles + cells * sizeof *lists->cells +
            b->entries * sizeof *lists->entries +
            lists->id_count * (sizeof *lists->triangles + sizeof *lists->corners) +
-           b->vertex_count * sizeof *lists->vertices;
+           b->vertex_count * sizeof *lists->vertices +
+           lists->sheets.stride * lists->sheets.height * sizeof *lists->sheets.bounds;
+}
+
+/* One line more than rows need, so that vectors may read behind them. */
+static bool reserve_sheets(build *b) {
+    shb_lists *lists = b->lists;
+    shb_sheets *sheets = &lists->sheets;
+    if (!b->with_sheets)
+        return true;
+    sheets->width = lists->width;
+    sheets->height = lists->height;
+    sheets->stride = ((size_t)lists->width + 15) / 16 * 16 + 16;
+    sheets->bounds =
+        reserve(b, SHB_LIST_BOUNDS, lists->height, sheets->stride * sizeof *sheets->bounds);
+    return sheets->bounds != NULL;
 }
 
 static outcome build_size(build *b, size_t memory_cap) {
@@ -81,9 +99,10 @@ static outcome build_size(build *b, size_t memory_cap) {
     const size_t tiles = (size_t)lists->tile_columns * lists->tile_rows;
     shb_list_bins bins;
     lists->tiles = reserve(b, SHB_LIST_TILES, tiles, sizeof *lists->tiles);
-    if (!lists->tiles || !load(b, &bins))
+    if (!lists->tiles || !reserve_sheets(b) || !load(b, &bins))
         return NO_MEMORY;
-    const size_t cells = shb_list_tiles_divide(lists->tiles, &bins);
+    lists->sheets.frame = shb_sheet_frame_of(&lists->frame, SHB_LIST_POINT_MARGIN);
+    const size_t cells = shb_list_tiles_divide(lists, &bins);
     lists->cells = reserve(b, SHB_LIST_CELLS, cells, sizeof *lists->cells);
     if (!lists->cells || !fill(b, &bins))
         return NO_MEMORY;
@@ -139,7 +158,7 @@ static void take_memory(shb_context *context, shb_lists *lists) {
 
 shb_result shb_lists_build(shb_context *context, const char *caller, const shb_view *view,
                            uint32_t width, uint32_t height, const shb_scene *scene,
-                           size_t memory_cap, shb_lists **lists) {
+                           size_t memory_cap, bool with_sheets, shb_lists **lists) {
     shb_lists *made = shb_alloc(context, 1, sizeof *made);
     if (!made)
         return shb_fail(context, SHB_ERROR_MEMORY, "%s: no memory for lists", caller);
@@ -147,7 +166,7 @@ shb_result shb_lists_build(shb_context *context, const char *caller, const shb_v
                         .width = width,
                         .height = height,
                         .id_count = (uint32_t)shb_scene_triangle_count(scene)};
-    build b = {.context = context, .scene = scene, .lists = made};
+    build b = {.context = context, .scene = scene, .lists = made, .with_sheets = with_sheets};
     const shb_result result = build_lists(&b, caller, view, memory_cap);
     if (result) {
         shb_free(context, made);

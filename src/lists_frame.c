@@ -89,6 +89,12 @@ static shb_list_extent join(size_t count, const shb_list_extent extents[]) {
     return all;
 }
 
+/* What rounding of a point of the scene to floats changes a row's product with it by. */
+static double row_rounding(const shb_list_frame *frame, int row) {
+    const double *r = frame->rows[row];
+    return 0x1.01p-24 * (fabs(r[0]) + fabs(r[1]) + fabs(r[2])) * frame->reach;
+}
+
 void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_extent extents[]) {
     const shb_list_extent all = join(count, extents);
     frame->reach = all.reach;
@@ -97,6 +103,8 @@ void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_exte
         if (r != 2)
             frame->errors[r] += drift(frame, frame->rows[r]);
     }
+    frame->rounding_z = row_rounding(frame, 2) * (1 + 0x1p-9);
+    frame->rounding_w = row_rounding(frame, 3) * (1 + 0x1p-9);
     const double range = all.farthest - all.nearest;
     frame->level_origin = range > 0 ? all.nearest : frame->near_depth;
     frame->levels = SHB_LIST_LEVELS / (range > 0x1p-500 && range < 0x1p500 ? range : 1);

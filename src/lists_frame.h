@@ -15,6 +15,8 @@ typedef struct shb_list_frame {
     /* Depths are put in order by their level: (depth - level_origin) * levels, cut off at 0 and
      * SHB_LIST_LEVELS - 1; level_size = 1 / levels. */
     double level_origin, levels, level_size;
+    double rounding_z, rounding_w; /* what rounding a point of the scene to floats changes z w and w
+                                      by */
 } shb_list_frame;
 
 #define SHB_LIST_LEVELS 65536

@@ -53,6 +53,18 @@ static size_t instance_of_vertex(const shb_scene *scene, size_t vertex, size_t *
     return instance;
 }
 
+/* Sums with 0 make -0 and 0 the same. */
+static uint64_t name_of(const double world[3]) {
+    const double place[3] = {world[0] + 0.0, world[1] + 0.0, world[2] + 0.0};
+    uint64_t bits[3], name = 0;
+    memcpy(bits, place, sizeof bits);
+    for (int i = 0; i < 3; i++) {
+        name = (name + bits[i]) * 0x9e3779b97f4a7c15u;
+        name ^= name >> 29;
+    }
+    return name;
+}
+
 static void load_vertex_run(void *arg, size_t run) {
     const shb_list_loading *loading = arg;
     shb_lists *lists = loading->lists;
@@ -75,6 +87,8 @@ static void load_vertex_run(void *arg, size_t run) {
             kept[2] = world.z;
             const shb_list_vertex seen = project(&lists->frame, world);
             loading->vertices[vertex] = seen;
+            if (loading->names)
+                loading->names[vertex] = name_of(kept);
             if (!isnan(seen.inverse_w))
                 shb_list_extent_add(&extent, kept, seen.z, seen.inverse_w > 0);
         }
@@ -95,9 +109,11 @@ void shb_list_load_vertices(const shb_list_loading *loading) {
 
 /* One that is not finite has no box; the plane of others is found by itself. */
 static void prepare_alone(const shb_lists *lists, const shb_list_vertex *vertices, uint32_t id,
-                          shb_list_box *box) {
+                          shb_list_box *box, shb_list_outline *outline) {
     const uint32_t *corners = lists->corners[id];
     *box = SHB_LIST_BOX_NONE;
+    if (outline)
+        *outline = (shb_list_outline){.is_known = 0};
     for (int k = 0; k < 3; k++)
         if (isnan(vertices[corners[k]].inverse_w))
             return;
@@ -107,31 +123,36 @@ static void prepare_alone(const shb_lists *lists, const shb_list_vertex *vertice
 
 /* Prepares count triangles from id on whose corners are written. */
 static void prepare_lanes(const shb_list_loading *loading, uint32_t id, uint32_t count,
-                          shb_list_box *boxes) {
+                          shb_list_box *boxes, shb_list_outline *outlines) {
     const shb_lists *lists = loading->lists;
     const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
     const uint32_t *corners[SHB_LIST_LANES];
     shb_list_triangle made[SHB_LIST_LANES];
     shb_list_box made_boxes[SHB_LIST_LANES];
+    shb_list_outline made_outlines[SHB_LIST_LANES];
     const bool whole = count == SHB_LIST_LANES;
     for (uint32_t lane = 0; lane < SHB_LIST_LANES; lane++)
         corners[lane] = lists->corners[id + (lane < count ? lane : count - 1)];
     uint32_t alone =
-        kernels->prepare(&lists->frame, loading->vertices, corners,
-                         whole ? lists->triangles + id : made, whole ? boxes + id : made_boxes);
+        kernels->prepare(&lists->frame, loading->vertices, loading->names, corners,
+                         whole ? lists->triangles + id : made, whole ? boxes + id : made_boxes,
+                         whole && outlines ? outlines + id : made_outlines);
     if (!whole) {
         memcpy(lists->triangles + id, made, count * sizeof *made);
         memcpy(boxes + id, made_boxes, count * sizeof *made_boxes);
+        if (outlines)
+            memcpy(outlines + id, made_outlines, count * sizeof *made_outlines);
         alone &= (1u << count) - 1;
     }
     for (; alone; alone &= alone - 1) {
         const uint32_t other = id + (uint32_t)__builtin_ctz(alone);
-        prepare_alone(lists, loading->vertices, other, &boxes[other]);
+        prepare_alone(lists, loading->vertices, other, &boxes[other],
+                      outlines ? &outlines[other] : NULL);
     }
 }
 
 void shb_list_load_triangles(const shb_list_loading *loading, uint32_t begin, uint32_t end,
-                             shb_list_box *boxes) {
+                             shb_list_box *boxes, shb_list_outline *outlines) {
     const shb_scene *scene = loading->scene;
     uint32_t id = begin, first = 0;
     size_t number = 0, first_vertex = 0;
@@ -148,5 +169,6 @@ void shb_list_load_triangles(const shb_list_loading *loading, uint32_t begin, ui
         first_vertex += vertices_of(mesh);
     }
     for (id = begin; id < end; id += SHB_LIST_LANES)
-        prepare_lanes(loading, id, end - id < SHB_LIST_LANES ? end - id : SHB_LIST_LANES, boxes);
+        prepare_lanes(loading, id, end - id < SHB_LIST_LANES ? end - id : SHB_LIST_LANES, boxes,
+                      outlines);
 }

@@ -9,6 +9,8 @@ typedef struct shb_list_loading {
     shb_lists *lists;
     const shb_scene *scene;
     shb_list_vertex *vertices; /* of the scene, as the light sees them */
+    uint64_t *names; /* of vertices: equal for those at the same place in the world, and only for
+                        them but once in 2^64; NULL: outlines are not wanted */
     size_t vertex_count;
     shb_list_extent *extents; /* one for each run of vertices */
 } shb_list_loading;
@@ -21,8 +23,9 @@ size_t shb_list_vertex_runs(size_t vertex_count);
 /* Vertices to the world and to the light; fits the frame to them. */
 void shb_list_load_vertices(const shb_list_loading *loading);
 
-/* Writes corners, triangles and boxes of the ids from begin to end. */
+/* Writes corners, triangles, boxes and, unless they are NULL, outlines of the ids from begin to
+ * end. */
 void shb_list_load_triangles(const shb_list_loading *loading, uint32_t begin, uint32_t end,
-                             shb_list_box *boxes);
+                             shb_list_box *boxes, shb_list_outline *outlines);
 
 #endif

@@ -9,12 +9,15 @@ enum {
     SHB_LIST_ENTRIES,
     SHB_LIST_TRIANGLES,
     SHB_LIST_CORNERS,
-    SHB_LIST_WORLD, /* vertices */
-    SHB_LIST_KEPT,  /* how many these are */
+    SHB_LIST_WORLD,  /* vertices */
+    SHB_LIST_BOUNDS, /* of sheets */
+    SHB_LIST_KEPT,   /* how many these are */
     /* while lists are built */
     SHB_LIST_VERTICES = SHB_LIST_KEPT, /* as the light sees them */
+    SHB_LIST_NAMES,
     SHB_LIST_EXTENTS,
     SHB_LIST_BOXES,
+    SHB_LIST_OUTLINES,
     SHB_LIST_ENDS,
     SHB_LIST_NUMBERS,
     SHB_LIST_COVERS, /* a tile for each lane */

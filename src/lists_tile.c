@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 #include "level_sort.h"
 #include "lists_scratch.h"
@@ -37,7 +38,8 @@ static size_t cells_of(int cell_bits) {
     return side * side;
 }
 
-size_t shb_list_tiles_divide(shb_list_tile *tiles, const shb_list_bins *bins) {
+size_t shb_list_tiles_divide(shb_lists *lists, const shb_list_bins *bins) {
+    shb_list_tile *tiles = lists->tiles;
     size_t cells = 0;
     for (size_t i = 0; i < bins->tiles; i++) {
         size_t count;
@@ -45,7 +47,7 @@ size_t shb_list_tiles_divide(shb_list_tile *tiles, const shb_list_bins *bins) {
         tiles[i] = (shb_list_tile){.first_cell = cells, .cell_bits = -1};
         if (count == 0)
             continue;
-        tiles[i].cell_bits = cell_bits_for(count);
+        tiles[i].cell_bits = lists->sheets.bounds ? 0 : cell_bits_for(count);
         cells += cells_of(tiles[i].cell_bits) + 1;
     }
     return cells;
@@ -67,7 +69,45 @@ static void clear_cells(shb_list_cover *cover, int cell_bits) {
         for (size_t lane = 0; lane < SHB_LIST_LANES; lane++) {
             cover->blocks[i].far[lane] = HUGE_VALF;
             cover->blocks[i].counts[lane] = 0;
+            cover->blocks[i].begins[lane] = HUGE_VALF;
+            cover->blocks[i].ends[lane] = -HUGE_VALF;
+            cover->blocks[i].behind[lane] = HUGE_VALF;
+            cover->blocks[i].sums[0][lane] = 0;
+            cover->blocks[i].sums[1][lane] = 0;
         }
+}
+
+/* What sheets.h says of a cell. */
+static float bound_of(const shb_list_block *block, size_t lane) {
+    const float far = block->far[lane];
+    const bool is_whole = block->sums[0][lane] == (int32_t)SHB_LIST_SHEET_0 &&
+                          block->sums[1][lane] == (int32_t)SHB_LIST_SHEET_1 &&
+                          block->ends[lane] <= far && far < block->behind[lane];
+    uint32_t bits;
+    memcpy(&bits, &far, sizeof bits);
+    bits = (bits & ~1u) | is_whole;
+    float bound;
+    memcpy(&bound, &bits, sizeof bound);
+    return bound;
+}
+
+/* Writes the bounds of a tile's texels; of those of a tile without triangles nothing is known. */
+static void write_bounds(const shb_lists *lists, const shb_list_tile *tile,
+                         const shb_list_cover *cover) {
+    const shb_sheets *sheets = &lists->sheets;
+    const uint32_t columns = sheets->width - cover->column, rows = sheets->height - cover->row;
+    const shb_list_tile at_zero = {.cell_bits = tile->cell_bits};
+    for (uint32_t row = 0; row < rows && row < SHB_LIST_TILE; row++) {
+        float *bounds = sheets->bounds + (cover->row + row) * sheets->stride + cover->column;
+        for (uint32_t column = 0; column < columns && column < SHB_LIST_TILE; column++) {
+            if (tile->cell_bits < 0) {
+                bounds[column] = HUGE_VALF;
+                continue;
+            }
+            const size_t cell = shb_list_cell_of(&at_zero, column, row);
+            bounds[column] = bound_of(&cover->blocks[cell / SHB_LIST_LANES], cell % SHB_LIST_LANES);
+        }
+    }
 }
 
 /* Entries from the order of triangles to that of cells. */
@@ -93,19 +133,24 @@ static void write_entries(const shb_lists *lists, const shb_list_tile *tile,
 static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *keys) {
     shb_lists *lists = job->lists;
     shb_list_tile *tile = &lists->tiles[number];
-    if (tile->cell_bits < 0)
+    cover->column = (uint32_t)(number % lists->tile_columns) * SHB_LIST_TILE;
+    cover->row = (uint32_t)(number / lists->tile_columns) * SHB_LIST_TILE;
+    if (tile->cell_bits < 0) {
+        if (cover->with_sheets)
+            write_bounds(lists, tile, cover);
         return;
+    }
     sort_triangles(job, number, keys);
     cover->keys = keys;
     shb_list_bin(job->bins, number, &cover->count);
-    cover->column = (uint32_t)(number % lists->tile_columns) * SHB_LIST_TILE;
-    cover->row = (uint32_t)(number / lists->tile_columns) * SHB_LIST_TILE;
     const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
     for (clear_cells(cover, tile->cell_bits); !kernels->cover(cover);)
         clear_cells(cover, ++tile->cell_bits);
     tile->first_entry = atomic_fetch_add(&job->next_entry, cover->entries.count);
     if (tile->first_entry <= job->room && cover->entries.count <= job->room - tile->first_entry)
         write_entries(lists, tile, cover);
+    if (cover->with_sheets)
+        write_bounds(lists, tile, cover);
 }
 
 static void run_lane(void *arg, size_t lane) {
@@ -137,6 +182,8 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
         job.covers[i].triangles = lists->triangles;
         job.covers[i].frame = &lists->frame;
         job.covers[i].boxes = bins->boxes;
+        job.covers[i].outlines = bins->outlines;
+        job.covers[i].with_sheets = lists->sheets.bounds != NULL;
         uint32_t *memory = (uint32_t *)scratch[SHB_LIST_UNSORTED].data + 3 * i * room_of_lane;
         job.covers[i].entries = (shb_list_unsorted){
             .triangles = memory,

@@ -4,8 +4,9 @@
 
 #include "lists_bin.h"
 
-/* Divides the tiles into cells: the more triangles, the more. Returns the number of all cells. */
-size_t shb_list_tiles_divide(shb_list_tile *tiles, const shb_list_bins *bins);
+/* Divides the tiles into cells: the more triangles, the more, and into single texels where sheets
+ * are wanted. Returns the number of all cells. */
+size_t shb_list_tiles_divide(shb_lists *lists, const shb_list_bins *bins);
 
 /* Fills the tiles' cells and entries. *entries receives how many there are: all of them are written
  * if the lists have room for so many, otherwise nothing is of use. False: out of memory. */

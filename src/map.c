@@ -226,6 +226,10 @@ void shb_map_destroy(shb_map *map) {
     shb_free(map->context, map);
 }
 
+const shb_sheets *shb_map_sheets(const shb_map *map) {
+    return map->lists ? &map->lists->sheets : &map->occluders.sheets;
+}
+
 const shb_map_info *shb_map_get_info(const shb_map *map) {
     return map ? &map->info : NULL;
 }

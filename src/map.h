@@ -119,6 +119,11 @@ struct shb_map {
     bool flipped;
 };
 
+/* Lists know what is certain by themselves. */
+static inline bool shb_map_keeps_sheets(const shb_map *map) {
+    return map->classifies && map->info.occluders != SHB_OCCLUDERS_LISTS;
+}
+
 /* Makes the map hold what the method draws into it. */
 void shb_map_set_method(shb_map *map, const shb_bias *bias);
 

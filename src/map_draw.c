@@ -122,16 +122,17 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
     }
     shb_occluder_data occluders = {0};
     const bool keeps = keeps_occluders(map, bias);
-    const bool keeps_lists = keeps && map->info.occluders == SHB_OCCLUDERS_LISTS;
-    const bool keeps_texels = keeps && !keeps_lists;
+    const bool has_lists = map->info.occluders == SHB_OCCLUDERS_LISTS;
+    const bool keeps_lists = has_lists && (keeps || map->classifies);
+    const bool keeps_texels = keeps && !has_lists;
     shb_lists *lists = NULL;
     if (keeps_lists) {
         result = shb_lists_build(map->context, "shb_map_draw", &map->info.view, map->info.width,
-                                 map->info.height, scene, map->lists_cap, &lists);
+                                 map->info.height, scene, map->lists_cap, map->classifies, &lists);
         if (result != SHB_OK)
             return result;
     }
-    const bool prepares = keeps_texels || map->classifies;
+    const bool prepares = keeps_texels || shb_map_keeps_sheets(map);
     if (prepares && !shb_occluders_prepare(map, scene, keeps_texels, &occluders)) {
         shb_lists_recycle(lists);
         return shb_fail(map->context, SHB_ERROR_MEMORY,

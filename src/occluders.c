@@ -39,7 +39,7 @@ static double choose_slope_unit(const shb_map *map) {
 
 bool shb_occluders_create(shb_map *map) {
     shb_occluder_data *data = &map->occluders;
-    if (map->classifies && !shb_sheets_create(map, &data->sheets))
+    if (shb_map_keeps_sheets(map) && !shb_sheets_create(map, &data->sheets))
         return false;
     map->info.memory_bytes += data->sheets.stride * data->sheets.height * sizeof(float);
     if (map->info.occluders == SHB_OCCLUDERS_NONE || map->info.occluders == SHB_OCCLUDERS_LISTS)
@@ -113,7 +113,7 @@ static bool make_walked(const shb_map *map, const shb_scene *scene, shb_occluder
         !shb_placed_scene_make(map->context, scene, &placed) ||
         !shb_light_mesh_make(map->context, &map->info, &made->topology,
                              &made->kept[SHB_OCCLUDER_VERTICES], &made->mesh,
-                             map->classifies ? made->bins.boxes : NULL))
+                             shb_map_keeps_sheets(map) ? made->bins.boxes : NULL))
         return false;
     made->planes = planes->data;
     shb_occluder_planes_make(map, &placed, made->plane_count, made->planes);
@@ -123,7 +123,7 @@ static bool make_walked(const shb_map *map, const shb_scene *scene, shb_occluder
 /* A scene that is drawn again looks as it did before, but sheets want boxes of its triangles. */
 static bool is_known(const shb_map *map, const shb_occluder_data *made) {
     return made->topology.corners == map->occluders.topology.corners && map->occluders.planes &&
-           !map->classifies;
+           !shb_map_keeps_sheets(map);
 }
 
 static bool prepare_mesh(const shb_map *map, const shb_scene *scene, bool walks,
@@ -158,11 +158,11 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
     bool done = true;
     if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES)
         done = shb_texel_scratch_reserve(map, scene, &made->scratch);
-    if (done && map->classifies)
+    if (done && shb_map_keeps_sheets(map))
         done = shb_sheet_bins_reserve(map->context, &map->info, count, &made->bins);
-    if (done && (walks || map->classifies))
+    if (done && (walks || shb_map_keeps_sheets(map)))
         done = prepare_mesh(map, scene, walks, made);
-    if (done && map->classifies)
+    if (done && shb_map_keeps_sheets(map))
         done = shb_sheet_bins_fill(map->context, &made->bins);
     if (!done)
         shb_occluders_release(map, made);
@@ -194,7 +194,7 @@ void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *mad
     map->occluders = *made;
     shb_occluder_data *data = &map->occluders;
     data->mesh.topology = &data->topology;
-    if (map->classifies)
+    if (shb_map_keeps_sheets(map))
         shb_sheets_find(map, &data->mesh, &data->bins);
     if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES)
         shb_occluder_texels_resolve(map, &data->scratch);

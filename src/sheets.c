@@ -34,12 +34,12 @@ static double row_rounding(const shb_list_frame *frame, int row) {
 
 /* X moves by (rounding x w + |X| rounding w) / w', where w' is the moved point's: at most 2^-10
  * smaller. */
-static shb_sheet_frame sheet_frame_of(const shb_list_frame *list) {
-    shb_sheet_frame frame = {.list = *list, .margin = MARGIN};
+shb_sheet_frame shb_sheet_frame_of(const shb_list_frame *list, double margin) {
+    shb_sheet_frame frame = {.list = *list, .margin = margin};
     const double w = row_rounding(list, 3);
     const double x = row_rounding(list, 0) + (list->width + 1) * w;
     const double y = row_rounding(list, 1) + (list->height + 1) * w;
-    const double by_margin = (x > y ? x : y) * (1 + 0x1p-9) / MARGIN;
+    const double by_margin = (x > y ? x : y) * (1 + 0x1p-9) / margin;
     frame.least_w = by_margin > 0x1p10 * w ? by_margin : 0x1p10 * w;
     frame.reach = list->reach * (1 + 0x1p-22);
     frame.rounding_z = row_rounding(list, 2) * (1 + 0x1p-9);
@@ -150,6 +150,6 @@ void shb_sheets_destroy(const shb_context *context, shb_sheets *sheets) {
 void shb_sheets_find(shb_map *map, const shb_light_mesh *mesh, const shb_sheet_bins *bins) {
     shb_sheets *sheets = &map->occluders.sheets;
     sheet_job job = {map, mesh, bins, shb_sheet_kernels_of(map->context->isa), sheets};
-    sheets->frame = sheet_frame_of(&mesh->frame);
+    sheets->frame = shb_sheet_frame_of(&mesh->frame, MARGIN);
     shb_parallel_for(map->context, make_tile, &job, bins->tile_count);
 }

@@ -19,6 +19,9 @@
  * the front has on its ray; everything else lies behind the split: it is lit. A point behind the
  * split, of the scene or not, has the front between itself and the light: it is shadowed.
  *
+ * Maps with lists find their sheets while they put triangles into cells, in another way
+ * (kernels/k_list_cover.inl); of others sheets.c does.
+ *
  * A texel that is not whole keeps the depth at which the nearest of all triangles that cover it
  * altogether ends: what lies behind is shadowed.
  *
@@ -47,6 +50,10 @@ typedef struct shb_sheets {
     size_t stride; /* in texels */
     float *bounds;
 } shb_sheets;
+
+/* For points that rounding of their coordinates moves by no more than a margin in the map, texels.
+ */
+shb_sheet_frame shb_sheet_frame_of(const shb_list_frame *list, double margin);
 
 /* Reserves the texels of a map; false: out of memory. */
 bool shb_sheets_create(const shb_map *map, shb_sheets *sheets);

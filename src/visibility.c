@@ -3,6 +3,7 @@
 #include "exact_points.h"
 #include "kernels/shade.h"
 #include "kernels/sheets.h"
+#include "lists.h"
 #include "prepare.h"
 #include "project.h"
 #include "stages.h"
@@ -280,7 +281,7 @@ shb_result shb_map_classify(const shb_map *map, const shb_points *points, uint8_
         if (map->empty)
             memset(batch, 0, sizeof batch);
         else
-            kernels->ask(&map->occluders.sheets, count, x, y, z, batch);
+            kernels->ask(shb_map_sheets(map), count, x, y, z, batch);
         for (size_t i = 0; i < count; i++)
             answers[first + i] = (uint8_t)batch[i];
     }

@@ -142,16 +142,17 @@ TEST(lists_under_a_memory_cap_are_smaller_and_say_the_same) {
               *least = lists_of(context, &view, 1, scene);
     const size_t cap = (all->memory_bytes + 3 * least->memory_bytes) / 4;
     shb_lists *capped = NULL;
-    CHECK_INT(shb_lists_build(context, "test", &view, 512, 512, scene, cap, &capped), SHB_OK);
+    CHECK_INT(shb_lists_build(context, "test", &view, 512, 512, scene, cap, false, &capped),
+              SHB_OK);
     CHECK(capped->memory_bytes <= cap && capped->width < 512);
     list_samples a = list_samples_create(scene, 3000, 11), b = list_samples_create(scene, 3000, 11);
     list_samples_ask(all, &a, true, 0);
     list_samples_ask(capped, &b, true, 0);
     CHECK(memcmp(a.visibility, b.visibility, 3000 * sizeof(float)) == 0);
     shb_lists *none = NULL;
-    CHECK_INT(
-        shb_lists_build(context, "test", &view, 512, 512, scene, least->memory_bytes - 1, &none),
-        SHB_ERROR_MEMORY);
+    CHECK_INT(shb_lists_build(context, "test", &view, 512, 512, scene, least->memory_bytes - 1,
+                              false, &none),
+              SHB_ERROR_MEMORY);
     CHECK(none == NULL);
     list_samples_free(&a);
     list_samples_free(&b);
@@ -239,7 +240,7 @@ TEST(lists_without_memory_fail_and_leak_nothing) {
         allocator.calls = 0;
         allocator.fail_at = step;
         shb_lists *lists = NULL;
-        result = shb_lists_build(context, "test", &view, 64, 64, soup_scene(&s), 0, &lists);
+        result = shb_lists_build(context, "test", &view, 64, 64, soup_scene(&s), 0, false, &lists);
         CHECK(result == SHB_OK ? step > 10 : result == SHB_ERROR_MEMORY && !lists);
         shb_lists_destroy(lists);
         shb_context_destroy(context);

@@ -108,9 +108,10 @@ enum {
  * that floats just behind a surface may be called lit.) What lies in front of the near plane casts
  * no shadow. Unsure are points near an edge, seen from the light, of what is nearest to it: an open
  * edge, a silhouette, a line of contact; and those outside the view or with coordinates so large
- * that rounding moves them by 1/32 texel. The map must have been drawn with desc.classifies:
- * SHB_ERROR_UNSUPPORTED, unless it is empty, when all is unsure. Normals are not read. Other errors
- * as shb_map_visibility. Allocates nothing; any thread, any number at a time. */
+ * that rounding moves them by 1/32 texel (1/256 where the map keeps lists). The map must have been
+ * drawn with desc.classifies: SHB_ERROR_UNSUPPORTED, unless it is empty, when all is unsure.
+ * Normals are not read. Other errors as shb_map_visibility. Allocates nothing; any thread, any
+ * number at a time. */
 shb_result shb_map_classify(const shb_map *map, const shb_points *points, uint8_t *answers);
 
 #ifdef __cplusplus

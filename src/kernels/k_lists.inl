@@ -22,6 +22,9 @@
 
 enum { LIST_LANES = SHB_LIST_LANES };
 
+/* More than corners are off by in the map where outlines are known, texels. */
+#define LIST_CORNER 0x1p-10
+
 /* A bound of a depth in float, not below the value. */
 #define ROUNDED_UP(value) ((float)((value) * (1 + 0x1p-22)))
 
@@ -75,6 +78,8 @@ typedef struct prepared {
     SHB_ALIGN double plane[3][LIST_LANES];
     float u[3][LIST_LANES], v[3][LIST_LANES], rest[LIST_LANES];
     float margin[LIST_LANES], bound[LIST_LANES], clear[LIST_LANES];
+    uint64_t turned[LIST_LANES];  /* all bits where the area is negative */
+    int32_t is_known[LIST_LANES]; /* of the outline */
     int32_t first_column[LIST_LANES], first_row[LIST_LANES];
     int32_t last_column[LIST_LANES], last_row[LIST_LANES], level[LIST_LANES];
 } prepared;
@@ -117,7 +122,8 @@ static void bound_triangles(const shb_list_frame *frame, const shb_list_corners 
         out->last_column[i] = (int32_t)list_min(list_max(hi_x + 4 * x, 0), width - 1);
         out->first_row[i] = seen ? (int32_t)list_min(list_max(lo_y - 4 * y, 0), height - 1) : 1;
         out->last_row[i] = seen ? (int32_t)list_min(list_max(hi_y + 4 * y, 0), height - 1) : 0;
-        const double level = ((lo_z - 4 * z) - frame->level_origin) * frame->levels;
+        const double rounded = (frame->rounding_z + far_z * frame->rounding_w) * inverse;
+        const double level = ((lo_z - 4 * z - rounded) - frame->level_origin) * frame->levels;
         out->level[i] = (int32_t)list_min(list_max(level, 0), SHB_LIST_LEVELS - 1);
     }
 }
@@ -168,6 +174,10 @@ static void prepare_planes(const shb_list_frame *frame, const shb_list_corners *
         out->plane[2][i] = known ? -one : 0.0;
         out->bound[i] = known ? ROUNDED_UP(bound) : HUGE_VALF;
         out->clear[i] = known ? ROUNDED_UP(clear) : HUGE_VALF;
+        const double steep = fabs(slope_x) + fabs(slope_y);
+        out->is_known[i] = known & (margin < 0x1p-1) & (spread->x[i] + spread->y[i] < LIST_CORNER) &
+                           (steep * SHB_SIZE_MAX + fabs(one) < 0x1p100);
+        out->turned[i] = area < 0 ? ~(uint64_t)0 : 0;
         const int usable = margin < 0x1p90;
         out->u[0][i] = usable ? (float)ux : 0.0f;
         out->u[1][i] = usable ? (float)uy : 0.0f;
@@ -180,10 +190,79 @@ static void prepare_planes(const shb_list_frame *frame, const shb_list_corners *
     }
 }
 
+/* Edges by the vertices at their ends, and the way in which they run round their triangles. */
+typedef struct list_edges {
+    SHB_ALIGN uint64_t names[3][LIST_LANES];
+} list_edges;
+
+static void name_edges(const uint64_t *names, const uint32_t *const corners[LIST_LANES],
+                       const uint64_t turned[LIST_LANES], list_edges *restrict out) {
+    SHB_ALIGN uint64_t ends[3][LIST_LANES];
+    for (int i = 0; i < LIST_LANES; i++)
+        for (int k = 0; k < 3; k++)
+            ends[k][i] = names[corners[i][k]];
+    for (int k = 0; k < 3; k++) {
+        const uint64_t *restrict from = ends[(k + 1) % 3], *restrict to = ends[(k + 2) % 3];
+        for (int i = 0; i < LIST_LANES; i++) {
+            const uint64_t a = from[i], b = to[i], lower = a < b ? a : b, upper = a < b ? b : a;
+            uint64_t name = (lower ^ (upper << 29 | upper >> 35)) * 0x9e3779b97f4a7c15u;
+            name = (name ^ name >> 32) * 0xd6e8feb86659fd93u;
+            name = a == b ? 0 : name ^ name >> 32;
+            const uint64_t sign = (a < b ? 0 : ~(uint64_t)0) ^ turned[i];
+            out->names[k][i] = (name ^ sign) + (sign & 0x100000001u);
+        }
+    }
+}
+
+/* Four lanes of four rows of words to four outlines, from a word of theirs on. */
+static inline void put_words(const uint32_t *a, const uint32_t *b, const uint32_t *c,
+                             const uint32_t *d, size_t word, shb_list_outline *outlines) {
+    typedef uint32_t list_u4 __attribute__((vector_size(16)));
+    list_u4 rows[4], out[4];
+    memcpy(&rows[0], a, sizeof rows[0]);
+    memcpy(&rows[1], b, sizeof rows[1]);
+    memcpy(&rows[2], c, sizeof rows[2]);
+    memcpy(&rows[3], d, sizeof rows[3]);
+    const list_u4 ab_0 = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5);
+    const list_u4 ab_1 = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7);
+    const list_u4 cd_0 = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5);
+    const list_u4 cd_1 = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
+    out[0] = __builtin_shufflevector(ab_0, cd_0, 0, 1, 4, 5);
+    out[1] = __builtin_shufflevector(ab_0, cd_0, 2, 3, 6, 7);
+    out[2] = __builtin_shufflevector(ab_1, cd_1, 0, 1, 4, 5);
+    out[3] = __builtin_shufflevector(ab_1, cd_1, 2, 3, 6, 7);
+    for (int i = 0; i < 4; i++)
+        memcpy((char *)&outlines[i] + 4 * word, &out[i], sizeof out[i]);
+}
+
+static void put_outlines(const uint64_t *names, const uint32_t *const corners[LIST_LANES],
+                         const shb_list_corners *restrict c, const prepared *made,
+                         shb_list_outline *outlines) {
+    list_edges edges;
+    SHB_ALIGN float places[6][LIST_LANES];
+    SHB_ALIGN uint32_t words[16][LIST_LANES];
+    name_edges(names, corners, made->turned, &edges);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < LIST_LANES; i++) {
+            places[k][i] = (float)c->x[k][i];
+            places[3 + k][i] = (float)c->y[k][i];
+            words[6 + 2 * k][i] = (uint32_t)edges.names[k][i];
+            words[7 + 2 * k][i] = (uint32_t)(edges.names[k][i] >> 32);
+        }
+    memcpy(words, places, sizeof places);
+    memcpy(words[12], made->is_known, sizeof made->is_known);
+    memset(words[13], 0, 3 * sizeof words[13]);
+    for (int i = 0; i < LIST_LANES; i += 4)
+        for (int w = 0; w < 16; w += 4)
+            put_words(words[w] + i, words[w + 1] + i, words[w + 2] + i, words[w + 3] + i, (size_t)w,
+                      outlines + i);
+}
+
 static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_vertex *vertices,
-                                  const uint32_t *const corners[LIST_LANES],
+                                  const uint64_t *names, const uint32_t *const corners[LIST_LANES],
                                   shb_list_triangle triangles[LIST_LANES],
-                                  shb_list_box boxes[LIST_LANES]) {
+                                  shb_list_box boxes[LIST_LANES],
+                                  shb_list_outline outlines[LIST_LANES]) {
     shb_list_corners c;
     list_spread spread;
     prepared made;
@@ -204,220 +283,13 @@ static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_ve
                                   (uint16_t)made.last_column[i], (uint16_t)made.last_row[i],
                                   (uint16_t)made.level[i]};
     }
+    if (names)
+        put_outlines(names, corners, &c, &made, outlines);
     return find_cut(frame, &c);
 }
 
-/* Linear functions over a tile, from its corner: the weights at the best corner of a cell, which
- * are negative where the triangle misses the cell for sure; what their worst corner has less; and
- * depths at which the triangle begins and ends in a cell. */
-typedef struct cell_functions {
-    float x[3], y[3], best[3], worst[3];
-    float slope_x, slope_y, begin, end;
-    float nearest;
-} cell_functions;
-
-static inline cell_functions cell_functions_of(const shb_list_cover *cover, uint32_t number,
-                                               float nearest) {
-    const shb_list_triangle *t = &cover->triangles[number];
-    const float column = (float)cover->column, row = (float)cover->row;
-    const float size = (float)(1 << cover->cell_bits);
-    const float weights[3][3] = {{-(t->u[0] + t->v[0]), -(t->u[1] + t->v[1]), 0},
-                                 {t->u[0], t->u[1], t->u[2]},
-                                 {t->v[0], t->v[1], t->v[2]}};
-    cell_functions f;
-    for (int k = 0; k < 3; k++) {
-        const float x = weights[k][0], y = weights[k][1];
-        const float first = k ? weights[k][2] : (t->rest - t->u[2]) - t->v[2];
-        const float one = ((x * column + y * row) + first) + t->margin;
-        f.x[k] = x;
-        f.y[k] = y;
-        f.best[k] = one + size * (list_maxf(x, 0) + list_maxf(y, 0));
-        f.worst[k] = -size * (fabsf(x) + fabsf(y)) - 4 * t->margin;
-    }
-    const double depth = -shb_list_behind(t, (double)cover->column, (double)cover->row, 0);
-    const float z = (float)depth, x = (float)-t->plane[0], y = (float)-t->plane[1];
-    const float rounding = 0x1p-21f * (fabsf(z) + SHB_LIST_TILE * (fabsf(x) + fabsf(y)));
-    f.slope_x = x;
-    f.slope_y = y;
-    f.begin = z + size * (list_minf(x, 0) + list_minf(y, 0)) - rounding - t->bound;
-    f.end = z + size * (list_maxf(x, 0) + list_maxf(y, 0)) + rounding + t->clear;
-    f.nearest = nearest;
-    return f;
-}
-
-static inline uint32_t first_block(uint32_t texel, uint32_t tile, int bits) {
-    return (texel > tile ? texel - tile : 0) >> bits;
-}
-
-static inline uint32_t last_block(uint32_t texel, uint32_t tile, int bits) {
-    const uint32_t last = texel - tile;
-    return (last < SHB_LIST_TILE ? last : SHB_LIST_TILE - 1) >> bits;
-}
-
-/* Blocks of a row that have cells which do not hide a depth, one bit each. */
-static inline uint32_t open_blocks(const shb_list_cover *cover, uint32_t row, float depth) {
-    const float *farthest = cover->farthest + (size_t)row * SHB_LIST_BLOCKS;
-    uint32_t hidden = 0;
-    for (int i = 0; i < SHB_LIST_BLOCKS; i += WIDE)
-        hidden |= vi_bits(depth > vf_load(farthest + i)) << i;
-    return ~hidden;
-}
-
-static inline float largest_of_block(const float *values) {
-#if WIDE == 16
-    return _mm512_reduce_max_ps(_mm512_loadu_ps(values));
-#else
-    vf most = vf_load(values);
-    for (int i = WIDE; i < LIST_LANES; i += WIDE)
-        most = vf_max(most, vf_load(values + i));
-    float largest = most[0];
-    for (int i = 1; i < WIDE; i++)
-        largest = list_maxf(largest, most[i]);
-    return largest;
-#endif
-}
-
-/* The cells of a block that a triangle goes into, one bit each, and the least depth of the triangle
- * in each. */
-static inline uint32_t cover_block(const shb_list_cover *cover, const cell_functions *f,
-                                   uint32_t column, uint32_t row, shb_list_block *block,
-                                   float begins[LIST_LANES]) {
-    static const SHB_ALIGN float lane_x[LIST_LANES] = {0, 1, 2, 3, 0, 1, 2, 3,
-                                                       0, 1, 2, 3, 0, 1, 2, 3};
-    static const SHB_ALIGN float lane_y[LIST_LANES] = {0, 0, 0, 0, 1, 1, 1, 1,
-                                                       2, 2, 2, 2, 3, 3, 3, 3};
-    const float left = (float)(int32_t)(column << (cover->cell_bits + 2));
-    const float top = (float)(int32_t)(row << (cover->cell_bits + 2));
-    const float size = (float)(1 << cover->cell_bits);
-    float *far = block->far;
-    int32_t *counts = block->counts;
-    uint32_t bits = 0;
-    for (int i = 0; i < LIST_LANES; i += WIDE) {
-        const vf x = left + size * vf_load(lane_x + i), y = top + size * vf_load(lane_y + i);
-        const vf u = (f->x[0] * x + f->y[0] * y) + f->best[0];
-        const vf v = (f->x[1] * x + f->y[1] * y) + f->best[1];
-        const vf w = (f->x[2] * x + f->y[2] * y) + f->best[2];
-        const vf depth = f->slope_x * x + f->slope_y * y;
-        const vf begin = vf_max(depth + f->begin, vf_splat(f->nearest)), end = depth + f->end;
-        const vf before = vf_load(far + i);
-        const vf most = vf_min(vf_min(u, v), w);
-        const vf least = vf_min(vf_min(u + f->worst[0], v + f->worst[1]), w + f->worst[2]);
-        const vi enters = (most >= 0) & (begin <= before), hidden = (least >= 0) & (end < before);
-        vf_store(begins + i, begin);
-        vi_store(counts + i, vi_load(counts + i) - enters);
-        bits |= vi_bits(enters) << i;
-        vf_store(far + i, vf_where(hidden, end, before));
-    }
-    return bits;
-}
-
-/* Appends entries of a block's cells; the room for all of them is there. Returns how many. */
-static inline size_t append_entries(const shb_list_unsorted *entries, size_t end, uint32_t number,
-                                    uint32_t cell, uint32_t bits, const float *begins) {
-#if WIDE == 16
-    const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const __m512i cells = _mm512_add_epi32(lanes, _mm512_set1_epi32((int32_t)cell));
-    _mm512_storeu_si512(entries->cells + end, _mm512_maskz_compress_epi32((__mmask16)bits, cells));
-    _mm512_storeu_ps(entries->begins + end,
-                     _mm512_maskz_compress_ps((__mmask16)bits, _mm512_loadu_ps(begins)));
-    _mm512_storeu_si512(entries->triangles + end, _mm512_set1_epi32((int32_t)number));
-    return (size_t)__builtin_popcount(bits);
-#else
-    size_t count = end;
-    for (; bits; bits &= bits - 1) {
-        const uint32_t lane = (uint32_t)__builtin_ctz(bits);
-        entries->triangles[count] = number;
-        entries->begins[count] = begins[lane];
-        entries->cells[count++] = cell + lane;
-    }
-    return count - end;
-#endif
-}
-
-/* Where a triangle lies in a tile, in blocks. */
-typedef struct list_blocks {
-    uint32_t columns; /* one bit each */
-    uint32_t first_row, last_row;
-} list_blocks;
-
-static inline list_blocks blocks_of(const shb_list_cover *cover, const shb_list_box *box) {
-    const int bits = cover->cell_bits + 2; /* texels of a block's side */
-    const uint32_t first_column = first_block(box->first_column, cover->column, bits);
-    const uint32_t last_column = last_block(box->last_column, cover->column, bits);
-    return (list_blocks){(2u << last_column) - (1u << first_column),
-                         first_block(box->first_row, cover->row, bits),
-                         last_block(box->last_row, cover->row, bits)};
-}
-
-/* True if all cells of all blocks that a triangle reaches hide it. */
-static inline bool is_hidden(const shb_list_cover *cover, const list_blocks *blocks,
-                             float nearest) {
-    uint32_t open = 0;
-    for (uint32_t row = blocks->first_row; row <= blocks->last_row; row++)
-        open |= open_blocks(cover, row, nearest);
-    return !(open & blocks->columns);
-}
-
-static inline void cover_blocks(shb_list_cover *cover, const list_blocks *blocks, bool hides,
-                                uint32_t number, const cell_functions *f) {
-    SHB_ALIGN float begins[LIST_LANES];
-    size_t count = cover->entries.count;
-    for (uint32_t row = blocks->first_row; row <= blocks->last_row; row++) {
-        uint32_t open = blocks->columns;
-        if (hides)
-            open &= open_blocks(cover, row, f->nearest);
-        for (; open; open &= open - 1) {
-            const uint32_t column = (uint32_t)__builtin_ctz(open);
-            const uint32_t block = row * (SHB_LIST_BLOCKS >> cover->cell_bits) + column;
-            const uint32_t cell = block * LIST_LANES;
-            const uint32_t bits = cover_block(cover, f, column, row, &cover->blocks[block], begins);
-            count += append_entries(&cover->entries, count, number, cell, bits, begins);
-        }
-    }
-    cover->entries.count = count;
-}
-
-/* Finds how far the cells of each block let triangles be seen; true if some block hides any. */
-static bool find_farthest(shb_list_cover *cover) {
-    const uint32_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
-    bool hides = false;
-    for (uint32_t row = 0; row < blocks; row++)
-        for (uint32_t column = 0; column < blocks; column++) {
-            const float farthest = largest_of_block(cover->blocks[row * blocks + column].far);
-            cover->farthest[row * SHB_LIST_BLOCKS + column] = farthest;
-            hides |= farthest < HUGE_VALF;
-        }
-    return hides;
-}
-
-/* LIST_AHEAD: triangles that are fetched before they are used; LIST_SPELL: triangles after which
- * blocks are looked at anew. */
-enum { LIST_AHEAD = 8, LIST_SPELL = 128 };
-
-static bool cover_cells(shb_list_cover *cover) {
-    const size_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
-    const size_t room = (blocks * blocks + 1) * LIST_LANES; /* for one triangle */
-    bool hides = false;
-    for (size_t k = 0; k < cover->count; k++) {
-        if (k + LIST_AHEAD < cover->count)
-            __builtin_prefetch(&cover->triangles[(uint32_t)cover->keys[k + LIST_AHEAD]]);
-        if (cover->entries.capacity - cover->entries.count < room)
-            return false;
-        if (k % LIST_SPELL == LIST_SPELL - 1)
-            hides = find_farthest(cover);
-        const uint32_t number = (uint32_t)cover->keys[k];
-        const float nearest =
-            (float)shb_list_level_depth(cover->frame, (double)(cover->keys[k] >> 32));
-        const list_blocks reached = blocks_of(cover, &cover->boxes[number]);
-        if (hides && is_hidden(cover, &reached, nearest))
-            continue;
-        const cell_functions f = cell_functions_of(cover, number, nearest);
-        cover_blocks(cover, &reached, hides, number, &f);
-    }
-    return true;
-}
-
 #include "k_list_ask.inl"
+#include "k_list_cover.inl"
 
 const shb_list_kernels LIST_KERNELS = {prepare_triangles, cover_cells, locate_points, take_entries,
                                        answer_questions};

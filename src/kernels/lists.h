@@ -20,6 +20,26 @@ typedef struct shb_list_vertex {
     double inverse_w; /* 0: in front of the near plane; NaN: not finite, has no triangles */
 } shb_list_vertex;
 
+/* The most that rounding of a point's coordinates may move it in the map where it is told something
+ * by sheets, texels. */
+#define SHB_LIST_POINT_MARGIN 0x1p-8
+
+/* A triangle's outline in the map, as the light sees it, for the proof that triangles together
+ * cover a cell (k_list_sheet.inl). Edge k lies opposite to corner k. */
+typedef struct shb_list_outline {
+    SHB_ALIGN float x[3]; /* corners, texels */
+    float y[3];
+    uint32_t edges[3][2]; /* what each edge adds to the sums of the cells that it meets: the
+                             triangle on its other side takes it away again */
+    uint32_t is_known;    /* 0: it is too thin to tell which way it faces, or cut */
+} shb_list_outline;
+
+/* What a triangle that covers a cell's sample adds to its sums, and one whose outline is not known.
+ */
+#define SHB_LIST_SHEET_0 0x9e3779b9u
+#define SHB_LIST_SHEET_1 0x85ebca6bu
+#define SHB_LIST_UNKNOWN_1 0x27d4eb2fu
+
 /* Corners of triangles, lane by lane. */
 typedef struct shb_list_corners {
     SHB_ALIGN double x[3][SHB_LIST_LANES];
@@ -39,8 +59,11 @@ typedef struct shb_list_entry {
 #define SHB_LIST_BLOCKS (SHB_LIST_TILE / SHB_LIST_BLOCK)
 
 typedef struct shb_list_block {
-    SHB_ALIGN float far[SHB_LIST_LANES]; /* behind it all of a cell is in shadow */
-    int32_t counts[SHB_LIST_LANES];      /* of a cell's entries */
+    SHB_ALIGN float far[SHB_LIST_LANES];                /* behind it all of a cell is in shadow */
+    int32_t counts[SHB_LIST_LANES];                     /* of a cell's entries */
+    float begins[SHB_LIST_LANES], ends[SHB_LIST_LANES]; /* of the sheet that is being made */
+    int32_t sums[2][SHB_LIST_LANES];                    /* of its edges and samples */
+    float behind[SHB_LIST_LANES]; /* where sheets begin that were made before it */
 } shb_list_block;
 
 /* Entries in the order of triangles, and the cell of each. */
@@ -56,10 +79,12 @@ typedef struct shb_list_cover {
     const shb_list_triangle *triangles;
     const shb_list_frame *frame;
     const shb_list_box *boxes;
+    const shb_list_outline *outlines;
     const uint64_t *keys; /* triangles in the low halves, front to back by the levels above */
     size_t count;
     uint32_t column, row; /* of the tile's first texel */
     int cell_bits;        /* cells are squares of 2^cell_bits texels */
+    bool with_sheets;     /* outlines are there, and the cells' sheets are wanted */
     shb_list_block blocks[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS];
     float farthest[SHB_LIST_BLOCKS *
                    SHB_LIST_BLOCKS]; /* of the cells of each, SHB_LIST_BLOCKS a row */
@@ -91,13 +116,15 @@ typedef struct shb_list_question {
 } shb_list_question;
 
 typedef struct shb_list_kernels {
-    /* Prepares triangles, whose corners are at these vertices. Returns those, one bit each, that
+    /* Prepares triangles, whose corners are at these vertices; names tell vertices apart by their
+     * places in the world. Returns those, one bit each, that
      * have a corner in front of the near plane or too near to the light's own: what is written of
      * them is of no use. */
     uint32_t (*prepare)(const shb_list_frame *frame, const shb_list_vertex *vertices,
-                        const uint32_t *const corners[SHB_LIST_LANES],
+                        const uint64_t *names, const uint32_t *const corners[SHB_LIST_LANES],
                         shb_list_triangle triangles[SHB_LIST_LANES],
-                        shb_list_box boxes[SHB_LIST_LANES]);
+                        shb_list_box boxes[SHB_LIST_LANES],
+                        shb_list_outline outlines[SHB_LIST_LANES]);
 
     /* Puts a tile's triangles into its cells. A triangle goes into a cell unless it misses the cell
      * for sure or begins there behind a triangle before it that covers the cell for sure. False if

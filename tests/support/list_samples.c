@@ -78,7 +78,7 @@ void lists_ask_one(const shb_lists *lists, double x, double y, double z, float *
 shb_lists *lists_of(shb_context *context, const shb_view *view, uint32_t size,
                     const shb_scene *scene) {
     shb_lists *lists = NULL;
-    CHECK_INT(shb_lists_build(context, "test", view, size, size, scene, 0, &lists), SHB_OK);
+    CHECK_INT(shb_lists_build(context, "test", view, size, size, scene, 0, false, &lists), SHB_OK);
     return lists;
 }
 

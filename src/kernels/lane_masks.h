@@ -1,0 +1,62 @@
+/* Masks of WIDE lanes: single bits where the processor has them for vectors, otherwise 0 or -1 in
+ * each lane. The including file has included vectors.h. */
+#ifndef SRC_KERNELS_LANE_MASKS_H
+#define SRC_KERNELS_LANE_MASKS_H
+
+/* vm_not_above: a <= b. vm_below: a < b where the mask is set. vm_equal: the same for a == b.
+ * vf_pick, vm_add: yes, or the sum, where the mask is set; else no, or a. */
+#if WIDE == 16
+typedef __mmask16 vm;
+static inline vm vm_not_above(vf a, vf b) {
+    return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
+}
+static inline vm vm_below(vm mask, vf a, vf b) {
+    return _mm512_mask_cmp_ps_mask(mask, a, b, _CMP_LT_OQ);
+}
+static inline vm vm_equal(vm mask, vi a, vi b) {
+    return _mm512_mask_cmpeq_epi32_mask(mask, (__m512i)a, (__m512i)b);
+}
+static inline vf vf_pick(vm mask, vf yes, vf no) {
+    return _mm512_mask_blend_ps(mask, no, yes);
+}
+static inline vi vi_pick(vm mask, vi yes, vi no) {
+    return (vi)_mm512_mask_blend_epi32(mask, (__m512i)no, (__m512i)yes);
+}
+static inline vi vm_add(vm mask, vi a, vi b) {
+    return (vi)_mm512_mask_add_epi32((__m512i)a, mask, (__m512i)a, (__m512i)b);
+}
+static inline vm vm_and(vm a, vm b) {
+    return _kand_mask16(a, b);
+}
+static inline uint32_t vm_bits(vm mask) {
+    return mask;
+}
+#else
+typedef vi vm;
+static inline vm vm_not_above(vf a, vf b) {
+    return a <= b;
+}
+static inline vm vm_below(vm mask, vf a, vf b) {
+    return mask & (a < b);
+}
+static inline vm vm_equal(vm mask, vi a, vi b) {
+    return mask & (a == b);
+}
+static inline vf vf_pick(vm mask, vf yes, vf no) {
+    return vf_where(mask, yes, no);
+}
+static inline vi vi_pick(vm mask, vi yes, vi no) {
+    return (yes & mask) | (no & ~mask);
+}
+static inline vi vm_add(vm mask, vi a, vi b) {
+    return a + (mask & b);
+}
+static inline vm vm_and(vm a, vm b) {
+    return a & b;
+}
+static inline uint32_t vm_bits(vm mask) {
+    return vi_bits(mask);
+}
+#endif
+
+#endif
