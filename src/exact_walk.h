@@ -24,10 +24,15 @@ typedef struct shb_walk {
     const shb_light_mesh *mesh;
     shb_map_place from, to;
     uint32_t triangle; /* the latest; SHB_ID_NONE: the walk has ended */
-    int exit;          /* the edge that it leaves by, from this corner to the next; -1: not yet */
-    bool exit_is_left; /* is the exit's first corner on the left of the line? */
-    double exit_side;  /* where to lies to the exit */
-    double area;       /* of the triangle, with the sign of its winding */
+    /* The edge that it leaves by: its ends on the left and on the right of the line, and how far
+     * they lie across it, negative on the left, times the line's length. */
+    shb_map_place ends[2];
+    double across[2];
+    uint32_t lower;  /* which of them is the lower vertex */
+    bool leaves;     /* the exit is known */
+    uint32_t beyond; /* the neighbour there */
+    double side;     /* where to lies to the edge, from its lower vertex to its higher one */
+    double area;     /* of the triangle, positive if it lies on the left of the edge */
     int steps;
     bool straight; /* it ends where the mesh turns round */
     bool turned;   /* the mesh has turned round on the way, or may have: a triangle lies on the same
@@ -38,9 +43,9 @@ typedef struct shb_walk {
                       was too long */
 } shb_walk;
 
-/* A walk from a triangle that is seen at from, or nearly so, in the direction of to. */
-shb_walk shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
-                        const double to[2]);
+/* Begins a walk from a triangle that is seen at from, or nearly so, in the direction of to. */
+void shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
+                    const double to[2], shb_walk *walk);
 
 /* Goes on to the next triangle that covers to, the first one included; SHB_ID_NONE: there is none
  * before the end. */

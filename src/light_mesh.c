@@ -11,6 +11,7 @@
 typedef struct mesh_job {
     shb_light_mesh *mesh;
     shb_light_box *boxes;
+    shb_walk_triangle *triangles;
     const shb_sheet_kernels *kernels;
     shb_list_extent *extents; /* of each task's vertices */
 } mesh_job;
@@ -129,20 +130,51 @@ static void see_triangles(void *arg, size_t task) {
     }
 }
 
-bool shb_light_mesh_make(const shb_context *context, const shb_map_info *info,
-                         const shb_topology *topology, shb_buffer memory[2], shb_light_mesh *mesh,
-                         shb_light_box *boxes) {
-    *mesh = (shb_light_mesh){.topology = topology};
-    mesh_job job = {mesh, boxes, shb_sheet_kernels_of(context->isa), NULL};
-    const size_t vertices = topology->vertex_count, triangles = topology->triangle_count;
-    if (!shb_buffer_reserve(context, &memory[0], vertices, sizeof *mesh->vertices) ||
-        !shb_buffer_reserve(context, &memory[1], triangles, sizeof *mesh->facing))
+static void make_walk_triangle(const shb_light_mesh *mesh, uint32_t id, shb_walk_triangle *to) {
+    const uint32_t *corners = mesh->topology->corners[id];
+    const uint32_t *neighbours = mesh->topology->neighbours[id];
+    uint32_t places[3], marks = 0;
+    shb_order_corners(corners, places);
+    for (uint32_t k = 0; k < 3; k++) {
+        const uint32_t corner = places[k], edge = places[(k + 2) % 3];
+        const shb_list_vertex *vertex = &mesh->vertices[corners[k]];
+        to->x[corner] = vertex->x;
+        to->y[corner] = vertex->y;
+        to->beyond[edge] = neighbours[k];
+        if (vertex->inverse_w > 0)
+            marks |= SHB_CORNER_SEEN << corner;
+        if (shb_light_mesh_beyond(mesh, id, (int)k) != SHB_ID_NONE)
+            marks |= SHB_EDGE_JOINED << edge;
+    }
+    to->marks = marks;
+}
+
+static void make_walk_triangles(void *arg, size_t task) {
+    const mesh_job *job = arg;
+    const size_t first = task * PER_TASK, count = job->mesh->topology->triangle_count;
+    const size_t end = count - first < PER_TASK ? count : first + PER_TASK;
+    for (size_t id = first; id < end; id++)
+        make_walk_triangle(job->mesh, (uint32_t)id, &job->triangles[id]);
+}
+
+bool shb_light_mesh_make(shb_context *context, const shb_map_info *info,
+                         const shb_topology *topology, shb_walk_triangle *triangles,
+                         shb_light_box *boxes, shb_light_mesh *mesh) {
+    *mesh = (shb_light_mesh){.topology = topology, .triangles = triangles};
+    mesh_job job = {mesh, boxes, triangles, shb_sheet_kernels_of(context->isa), NULL};
+    shb_buffer *scratch = context->sheet_scratch;
+    const size_t vertices = topology->vertex_count, count = topology->triangle_count;
+    if (!shb_buffer_reserve(context, &scratch[SHB_SHEET_VERTICES], vertices,
+                            sizeof *mesh->vertices) ||
+        !shb_buffer_reserve(context, &scratch[SHB_SHEET_FACING], count, sizeof *mesh->facing))
         return false;
-    mesh->vertices = memory[0].data;
-    mesh->facing = memory[1].data;
+    mesh->vertices = scratch[SHB_SHEET_VERTICES].data;
+    mesh->facing = scratch[SHB_SHEET_FACING].data;
     if (shb_list_frame_init(&info->view, info->width, info->height, &mesh->frame) != SHB_OK ||
         !see_all_vertices(context, &job))
         return false;
-    shb_parallel_for(context, see_triangles, &job, tasks_of(triangles));
+    shb_parallel_for(context, see_triangles, &job, tasks_of(count));
+    if (triangles)
+        shb_parallel_for(context, make_walk_triangles, &job, tasks_of(count));
     return true;
 }

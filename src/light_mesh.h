@@ -14,11 +14,26 @@ enum {
     /* 1 and -1: the sign of its area */
 };
 
+/* A triangle as walks see it, in one cache line. Its corners are in the order of their vertices'
+ * numbers, so that both triangles of an edge run along it in the same direction. */
+typedef struct shb_walk_triangle {
+    SHB_ALIGN double x[3]; /* texels */
+    double y[3];
+    uint32_t beyond[3]; /* its ordered edges, as the topology's neighbours */
+    uint32_t marks;
+} shb_walk_triangle;
+
+#define SHB_CORNER_SEEN 1u  /* << corner: it is finite and lies behind the near plane */
+#define SHB_EDGE_JOINED 16u /* << edge: shb_light_mesh_beyond has something there */
+
 typedef struct shb_light_mesh {
     const shb_topology *topology;
     shb_list_frame frame;
+    /* in the context's scratch while a scene is drawn: */
     shb_list_vertex *vertices;
     int8_t *facing; /* by id */
+    /* NULL, or what walks need, by id: */
+    const shb_walk_triangle *triangles;
 } shb_light_mesh;
 
 /* Where the light sees a triangle, up to a texel beyond it, and its nearest depth, rounded towards
@@ -28,11 +43,11 @@ typedef struct shb_light_box {
     float nearest;
 } shb_light_box;
 
-/* The mesh as the light of a map sees it, in memory for vertices and for what is known of
- * triangles. boxes: NULL, or one a triangle, to be filled. False: out of memory. */
-bool shb_light_mesh_make(const shb_context *context, const shb_map_info *info,
-                         const shb_topology *topology, shb_buffer memory[2], shb_light_mesh *mesh,
-                         shb_light_box *boxes);
+/* The mesh as the light of a map sees it. triangles and boxes: NULL, or one a triangle, to be
+ * filled. False: out of memory. */
+bool shb_light_mesh_make(shb_context *context, const shb_map_info *info,
+                         const shb_topology *topology, shb_walk_triangle *triangles,
+                         shb_light_box *boxes, shb_light_mesh *mesh);
 
 /* Writes the corners of a triangle. */
 void shb_light_mesh_corners(const shb_light_mesh *mesh, uint32_t id, uint32_t lane,

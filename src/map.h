@@ -58,8 +58,7 @@ typedef struct shb_texel_scratch {
  * drawing, for the next one, and what maps are drawn with. */
 enum {
     SHB_OCCLUDER_PLANES,
-    SHB_OCCLUDER_VERTICES,
-    SHB_OCCLUDER_FACING,
+    SHB_OCCLUDER_TRIANGLES,
     SHB_OCCLUDER_KEPT, /* how many there are of these */
     SHB_OCCLUDER_INSTANCES = SHB_OCCLUDER_KEPT,
     SHB_OCCLUDER_PLACES,      /* of each lane: where triangles are among its band's */

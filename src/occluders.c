@@ -108,12 +108,14 @@ static void return_kept(shb_context *context, shb_occluder_data *data) {
 static bool make_walked(const shb_map *map, const shb_scene *scene, shb_occluder_data *made) {
     shb_placed_scene placed;
     shb_buffer *planes = &made->kept[SHB_OCCLUDER_PLANES];
+    shb_buffer *triangles = &made->kept[SHB_OCCLUDER_TRIANGLES];
     take_kept(map->context, made);
     if (!shb_buffer_reserve(map->context, planes, made->plane_count, sizeof *made->planes) ||
+        !shb_buffer_reserve(map->context, triangles, made->plane_count,
+                            sizeof *made->mesh.triangles) ||
         !shb_placed_scene_make(map->context, scene, &placed) ||
-        !shb_light_mesh_make(map->context, &map->info, &made->topology,
-                             &made->kept[SHB_OCCLUDER_VERTICES], &made->mesh,
-                             shb_map_keeps_sheets(map) ? made->bins.boxes : NULL))
+        !shb_light_mesh_make(map->context, &map->info, &made->topology, triangles->data,
+                             shb_map_keeps_sheets(map) ? made->bins.boxes : NULL, &made->mesh))
         return false;
     made->planes = planes->data;
     shb_occluder_planes_make(map, &placed, made->plane_count, made->planes);
@@ -139,9 +141,8 @@ static bool prepare_mesh(const shb_map *map, const shb_scene *scene, bool walks,
         return true;
     }
     return walks ? make_walked(map, scene, made)
-                 : shb_light_mesh_make(context, &map->info, &made->topology,
-                                       &context->sheet_scratch[SHB_SHEET_VERTICES], &made->mesh,
-                                       made->bins.boxes);
+                 : shb_light_mesh_make(context, &map->info, &made->topology, NULL, made->bins.boxes,
+                                       &made->mesh);
 }
 
 bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keeps,
@@ -176,10 +177,8 @@ static size_t texel_bytes(const shb_map *map) {
 }
 
 static size_t scene_bytes(const shb_occluder_data *data) {
-    const size_t vertex = data->mesh.vertices ? sizeof *data->mesh.vertices : 0;
-    const size_t triangle = data->planes ? sizeof *data->planes + sizeof *data->mesh.facing : 0;
-    return data->plane_count * triangle + data->topology.vertex_count * vertex +
-           shb_topology_bytes(&data->topology);
+    const size_t triangle = data->planes ? sizeof *data->planes + sizeof *data->mesh.triangles : 0;
+    return data->plane_count * triangle + shb_topology_bytes(&data->topology);
 }
 
 void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *made) {
@@ -198,6 +197,8 @@ void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *mad
         shb_sheets_find(map, &data->mesh, &data->bins);
     if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES)
         shb_occluder_texels_resolve(map, &data->scratch);
+    data->mesh.vertices = NULL;
+    data->mesh.facing = NULL;
     if (!keeps || map->info.occluders != SHB_OCCLUDERS_TRIANGLES)
         release_drawn(context, data);
     map->info.memory_bytes =

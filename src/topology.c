@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-#define TRIANGLES_MAX ((size_t)1 << 30)
+#define TRIANGLES_MAX (((size_t)1 << 29) - 1)
 
 /* The finalizer of splitmix64 (Steele, Lea and Flood 2014). */
 static uint64_t mix(uint64_t bits) {
@@ -170,6 +170,13 @@ static void set_neighbour(shb_topology *t, uint32_t side, uint32_t neighbour) {
     t->neighbours[side >> 2][side & 3] = neighbour;
 }
 
+/* The neighbour that has a side, as seen from the other one of its edge. */
+static uint32_t neighbour_at(const shb_topology *t, uint32_t side, bool is_turned) {
+    uint32_t places[3];
+    shb_order_corners(t->corners[side >> 2], places);
+    return side >> 2 << 3 | (uint32_t)is_turned << 2 | places[((side & 3) + 2) % 3];
+}
+
 /* Two sides make neighbours; a third one undoes them, so that the mesh ends there. */
 static void add_side(shb_topology *t, edge_entry *edge, uint32_t side) {
     if (edge->second != SHB_ID_NONE) {
@@ -177,10 +184,10 @@ static void add_side(shb_topology *t, edge_entry *edge, uint32_t side) {
         set_neighbour(t, edge->second, SHB_ID_NONE);
         return;
     }
-    const uint32_t turned = first_vertex(t, edge->first) == first_vertex(t, side);
+    const bool is_turned = first_vertex(t, edge->first) == first_vertex(t, side);
     edge->second = side;
-    set_neighbour(t, edge->first, side >> 2 << 1 | turned);
-    set_neighbour(t, side, edge->first >> 2 << 1 | turned);
+    set_neighbour(t, edge->first, neighbour_at(t, side, is_turned));
+    set_neighbour(t, side, neighbour_at(t, edge->first, is_turned));
 }
 
 /* The vertex whose bucket has the edge of a side, and the other one. */

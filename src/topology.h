@@ -21,13 +21,29 @@ static inline bool shb_topology_is_twin(const shb_topology *topology, size_t tri
     return topology->neighbours[triangle][0] == SHB_TWIN;
 }
 
-/* A neighbour's id, and whether both triangles run along the edge in the same direction, so that
- * one is wound the other way; SHB_ID_NONE: an open edge, or one of more than two triangles. */
+/* The places of a triangle's corners in the order of their vertices' numbers. Its edges are ordered
+ * by the corner that they lie opposite of: edge 0 from the second to the third, 1 from the first to
+ * the third, 2 from the first to the second. So the edge from corner k to the next has the place of
+ * corner k + 2. */
+static inline void shb_order_corners(const uint32_t corners[3], uint32_t places[3]) {
+    const uint32_t a = corners[0] > corners[1], b = corners[1] > corners[2];
+    const uint32_t c = corners[0] > corners[2];
+    places[0] = a + c;
+    places[1] = 1 - a + b;
+    places[2] = 2 - b - c;
+}
+
+/* A neighbour's id; which of its edges it shares, as an ordered edge; and whether both triangles
+ * run along the edge in the same direction, so that one is wound the other way. SHB_ID_NONE: an
+ * open edge, or one of more than two triangles. */
 static inline uint32_t shb_neighbour_of(uint32_t neighbour) {
-    return neighbour >> 1;
+    return neighbour >> 3;
+}
+static inline uint32_t shb_neighbour_edge(uint32_t neighbour) {
+    return neighbour & 3;
 }
 static inline bool shb_neighbour_is_turned(uint32_t neighbour) {
-    return neighbour & 1;
+    return neighbour & 4;
 }
 
 /* A hash of everything that the topology depends on: transforms, positions, indices. Scenes that
@@ -35,7 +51,7 @@ static inline bool shb_neighbour_is_turned(uint32_t neighbour) {
 uint64_t shb_topology_key(const shb_scene *scene);
 
 /* Fills the topology of a scene that has passed the checks of drawing; false: out of memory, or
- * more than 2^30 triangles; *topology is empty then. */
+ * more than 2^29 - 1 triangles; *topology is empty then. */
 bool shb_topology_make(const shb_context *context, const shb_scene *scene, uint64_t key,
                        shb_topology *topology);
 void shb_topology_release(const shb_context *context, shb_topology *topology);

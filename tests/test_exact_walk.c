@@ -66,7 +66,9 @@ static uint32_t triangle_at(const ribbon *r, int segment, double x, double y) {
 static shb_walk walk_of(const ribbon *r, int segment, double from_x, double to_x, double y) {
     const double from[2] = {(from_x + 1) * SIZE / 2, (1 - y) * SIZE / 2};
     const double to[2] = {(to_x + 1) * SIZE / 2, (1 - y) * SIZE / 2};
-    return shb_walk_begin(&r->map->occluders.mesh, triangle_at(r, segment, from_x, y), from, to);
+    shb_walk walk;
+    shb_walk_begin(&r->map->occluders.mesh, triangle_at(r, segment, from_x, y), from, to, &walk);
+    return walk;
 }
 
 static uint32_t straight(const ribbon *r, int segment, double from_x, double to_x, double y) {

@@ -30,12 +30,9 @@ static double depth_behind(const mutual_batch *batch, size_t i, const shb_occlud
  * in the triangle's middle, so that all taps of the triangle get the same answer. */
 static bool is_of_own_sheet(const mutual_batch *batch, size_t i, uint32_t triangle) {
     const shb_light_mesh *mesh = &batch->map->occluders.mesh;
-    const uint32_t *corners = mesh->topology->corners[triangle];
-    double middle[2] = {0, 0};
-    for (int k = 0; k < 3; k++) {
-        middle[0] += mesh->vertices[corners[k]].x / 3;
-        middle[1] += mesh->vertices[corners[k]].y / 3;
-    }
+    const shb_walk_triangle *t = &mesh->triangles[triangle];
+    const double middle[2] = {((t->x[0] + t->x[1]) + t->x[2]) / 3,
+                              ((t->y[0] + t->y[1]) + t->y[2]) / 3};
     const double at[2] = {batch->x[i], batch->y[i]};
     const uint32_t arrived = shb_exact_walk(mesh, triangle, middle, at);
     if (arrived == SHB_ID_NONE)

@@ -32,6 +32,8 @@
 
 #include "k_planes.inl"
 
+#include "k_nearest.inl"
+
 #include "k_occluders.inl"
 
 #include "k_filter.inl"
@@ -55,6 +57,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .fetch = fetch,
     .hard = hard,
     .planes = ask_planes,
+    .nearest = ask_nearest,
     .quick = WIDE > 1 ? test_quickly : NULL,
     .find_planes = find_planes,
     .find_columns = find_columns,

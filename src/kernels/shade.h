@@ -3,6 +3,7 @@
 #ifndef SRC_KERNELS_SHADE_H
 #define SRC_KERNELS_SHADE_H
 
+#include "../exact_triangles.h"
 #include "../pcss.h"
 #include "../quick_test.h"
 #include "../surface_table.h"
@@ -59,6 +60,10 @@ typedef struct shb_shade_kernels {
     /* The exact method by the planes that a map keeps. */
     void (*planes)(const shb_map *map, size_t count, const shb_receivers *receivers,
                    float *visibility);
+
+    /* Reads the samples around the points of a group, which are located, and finds what those of
+     * their own texels tell. rounding: of positions, as in light_point.h. */
+    void (*nearest)(const shb_map *map, double rounding, shb_walk_group *group);
 
     /* The hard test after projection and bias where float is sure of it: writes the visibility of
      * all fragments, and the numbers of those whose is not to be trusted; returns how many these
