@@ -13,7 +13,7 @@
 /* Tiles are as wide as the target, so that memory is written in long runs, and as many rows high as
  * give this many samples (powers of two): less where each triangle fills much of a tile or tiles
  * are copied to the target, so that they stay in a second-level cache. */
-#define TILE_BITS 18
+#define TILE_BITS 19
 #define CACHED_TILE_BITS 17
 #define ROW_BITS_MIN 4
 

@@ -34,10 +34,16 @@ static void clear_reached(const shb_tile *tile, const sample_rectangle *reached)
     const int32_t first = left - left % CLEAR_CELLS;
     const int32_t last = (reached->right - 1 - tile->x0) / SHB_CELL;
     const int32_t stride = (int32_t)tile->cell_stride;
-    for (int32_t row = first_row; row <= last_row; row++)
-        for (int32_t column = first; column <= last; column += CLEAR_CELLS)
-            if (tile->cells[row * tile->cell_stride + column] == SHB_NOT_CLEARED)
-                clear_cells(tile, column, row, MIN(CLEAR_CELLS, stride - column));
+    for (int32_t row = first_row; row <= last_row; row++) {
+        const float *cells = tile->cells + row * tile->cell_stride;
+        for (int32_t column = first; column <= last; column += CLEAR_CELLS) {
+            const int32_t start = column;
+            while (column <= last && cells[column] == SHB_NOT_CLEARED)
+                column += CLEAR_CELLS;
+            if (column > start)
+                clear_cells(tile, start, row, MIN(column, stride) - start);
+        }
+    }
 }
 
 static void clear(const shb_tile *tile) {
