@@ -62,6 +62,16 @@ static void sort_triangles(const tile_job *job, size_t tile, uint64_t *keys) {
     shb_sort_by_level(count, keys, keys + job->bins->largest);
 }
 
+static void clear_sheets(shb_list_sheets *sheets) {
+    for (size_t lane = 0; lane < SHB_LIST_LANES; lane++) {
+        sheets->begins[lane] = HUGE_VALF;
+        sheets->ends[lane] = -HUGE_VALF;
+        sheets->behind[lane] = HUGE_VALF;
+        sheets->sums[0][lane] = 0;
+        sheets->sums[1][lane] = 0;
+    }
+}
+
 static void clear_cells(shb_list_cover *cover, int cell_bits) {
     cover->cell_bits = cell_bits;
     cover->entries.count = 0;
@@ -69,20 +79,17 @@ static void clear_cells(shb_list_cover *cover, int cell_bits) {
         for (size_t lane = 0; lane < SHB_LIST_LANES; lane++) {
             cover->blocks[i].far[lane] = HUGE_VALF;
             cover->blocks[i].counts[lane] = 0;
-            cover->blocks[i].begins[lane] = HUGE_VALF;
-            cover->blocks[i].ends[lane] = -HUGE_VALF;
-            cover->blocks[i].behind[lane] = HUGE_VALF;
-            cover->blocks[i].sums[0][lane] = 0;
-            cover->blocks[i].sums[1][lane] = 0;
         }
+    for (size_t i = 0; cover->with_sheets && i < cells_of(cell_bits) / SHB_LIST_LANES; i++)
+        clear_sheets(&cover->sheets[i]);
 }
 
 /* What sheets.h says of a cell. */
-static float bound_of(const shb_list_block *block, size_t lane) {
+static float bound_of(const shb_list_block *block, const shb_list_sheets *sheets, size_t lane) {
     const float far = block->far[lane];
-    const bool is_whole = block->sums[0][lane] == (int32_t)SHB_LIST_SHEET_0 &&
-                          block->sums[1][lane] == (int32_t)SHB_LIST_SHEET_1 &&
-                          block->ends[lane] <= far && far < block->behind[lane];
+    const bool is_whole = sheets->sums[0][lane] == (int32_t)SHB_LIST_SHEET_0 &&
+                          sheets->sums[1][lane] == (int32_t)SHB_LIST_SHEET_1 &&
+                          sheets->ends[lane] <= far && far < sheets->behind[lane];
     uint32_t bits;
     memcpy(&bits, &far, sizeof bits);
     bits = (bits & ~1u) | is_whole;
@@ -105,7 +112,8 @@ static void write_bounds(const shb_lists *lists, const shb_list_tile *tile,
                 continue;
             }
             const size_t cell = shb_list_cell_of(&at_zero, column, row);
-            bounds[column] = bound_of(&cover->blocks[cell / SHB_LIST_LANES], cell % SHB_LIST_LANES);
+            bounds[column] = bound_of(&cover->blocks[cell / SHB_LIST_LANES],
+                                      &cover->sheets[cell / SHB_LIST_LANES], cell % SHB_LIST_LANES);
         }
     }
 }

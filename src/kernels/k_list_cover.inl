@@ -163,13 +163,13 @@ static inline vm closed_cells(vm cells, vi sum_0, vi sum_1) {
 /* Adds a triangle to the sheets of the cells that it enters. Returns the cells that are closed, and
  * where their sheets end. A closed sheet makes room for a triangle that ends before all of it. */
 static inline vm add_to_sheets(const cell_functions *f, vm enters, const vf at[2],
-                               const vf weights[3], vf begin, vf end, shb_list_block *block, int i,
-                               vf *sheet_end) {
-    vi sum_0 = vi_load(block->sums[0] + i), sum_1 = vi_load(block->sums[1] + i);
-    vf last = vf_load(block->ends + i), first = vf_load(block->begins + i);
+                               const vf weights[3], vf begin, vf end, shb_list_sheets *sheets,
+                               int i, vf *sheet_end) {
+    vi sum_0 = vi_load(sheets->sums[0] + i), sum_1 = vi_load(sheets->sums[1] + i);
+    vf last = vf_load(sheets->ends + i), first = vf_load(sheets->begins + i);
     const vm renews = vm_below(closed_cells(enters, sum_0, sum_1), end, first);
     if (vm_bits(renews)) {
-        vf_store(block->behind + i, vf_pick(renews, first, vf_load(block->behind + i)));
+        vf_store(sheets->behind + i, vf_pick(renews, first, vf_load(sheets->behind + i)));
         first = vf_pick(renews, vf_splat(HUGE_VALF), first);
         last = vf_pick(renews, vf_splat(-HUGE_VALF), last);
         sum_0 = vi_pick(renews, vi_splat(0), sum_0);
@@ -190,10 +190,10 @@ static inline vm add_to_sheets(const cell_functions *f, vm enters, const vf at[2
     }
     last = vf_pick(enters, vf_max(last, end), last);
     first = vf_pick(enters, vf_min(first, begin), first);
-    vi_store(block->sums[0] + i, sum_0);
-    vi_store(block->sums[1] + i, sum_1);
-    vf_store(block->ends + i, last);
-    vf_store(block->begins + i, first);
+    vi_store(sheets->sums[0] + i, sum_0);
+    vi_store(sheets->sums[1] + i, sum_1);
+    vf_store(sheets->ends + i, last);
+    vf_store(sheets->begins + i, first);
     *sheet_end = last;
     return closed_cells(enters, sum_0, sum_1);
 }
@@ -202,7 +202,8 @@ static inline vm add_to_sheets(const cell_functions *f, vm enters, const vf at[2
  * in each. */
 static inline uint32_t cover_block(const shb_list_cover *cover, bool with_sheets,
                                    const cell_functions *f, uint32_t column, uint32_t row,
-                                   shb_list_block *block, float begins[LIST_LANES]) {
+                                   shb_list_block *block, shb_list_sheets *sheets,
+                                   float begins[LIST_LANES]) {
     static const SHB_ALIGN float lane_x[LIST_LANES] = {0, 1, 2, 3, 0, 1, 2, 3,
                                                        0, 1, 2, 3, 0, 1, 2, 3};
     static const SHB_ALIGN float lane_y[LIST_LANES] = {0, 0, 0, 0, 1, 1, 1, 1,
@@ -230,7 +231,7 @@ static inline uint32_t cover_block(const shb_list_cover *cover, bool with_sheets
         bits |= vm_bits(enters) << i;
         if (with_sheets && vm_bits(enters)) {
             const vm closed =
-                add_to_sheets(f, enters, at, weights, begin, end, block, i, &sheet_end);
+                add_to_sheets(f, enters, at, weights, begin, end, sheets, i, &sheet_end);
             far = vf_pick(closed, vf_min(sheet_end, far), far);
         }
         vf_store(block->far + i, far);
@@ -297,8 +298,8 @@ static inline void cover_blocks(shb_list_cover *cover, bool with_sheets, const l
             const uint32_t column = (uint32_t)__builtin_ctz(open);
             const uint32_t block = row * (SHB_LIST_BLOCKS >> cover->cell_bits) + column;
             const uint32_t cell = block * LIST_LANES;
-            const uint32_t bits =
-                cover_block(cover, with_sheets, f, column, row, &cover->blocks[block], begins);
+            const uint32_t bits = cover_block(cover, with_sheets, f, column, row,
+                                              &cover->blocks[block], &cover->sheets[block], begins);
             count += append_entries(&cover->entries, count, number, cell, bits, begins);
         }
     }

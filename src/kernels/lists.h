@@ -59,12 +59,17 @@ typedef struct shb_list_entry {
 #define SHB_LIST_BLOCKS (SHB_LIST_TILE / SHB_LIST_BLOCK)
 
 typedef struct shb_list_block {
-    SHB_ALIGN float far[SHB_LIST_LANES];                /* behind it all of a cell is in shadow */
-    int32_t counts[SHB_LIST_LANES];                     /* of a cell's entries */
-    float begins[SHB_LIST_LANES], ends[SHB_LIST_LANES]; /* of the sheet that is being made */
-    int32_t sums[2][SHB_LIST_LANES];                    /* of its edges and samples */
-    float behind[SHB_LIST_LANES]; /* where sheets begin that were made before it */
+    SHB_ALIGN float far[SHB_LIST_LANES]; /* behind it all of a cell is in shadow */
+    int32_t counts[SHB_LIST_LANES];      /* of a cell's entries */
 } shb_list_block;
+
+/* The sheets that are being made in a block's cells. */
+typedef struct shb_list_sheets {
+    SHB_ALIGN float begins[SHB_LIST_LANES];
+    float ends[SHB_LIST_LANES];
+    int32_t sums[2][SHB_LIST_LANES]; /* of edges and samples */
+    float behind[SHB_LIST_LANES];    /* where those begin that were made before */
+} shb_list_sheets;
 
 /* Entries in the order of triangles, and the cell of each. */
 typedef struct shb_list_unsorted {
@@ -86,6 +91,7 @@ typedef struct shb_list_cover {
     int cell_bits;        /* cells are squares of 2^cell_bits texels */
     bool with_sheets;     /* outlines are there, and the cells' sheets are wanted */
     shb_list_block blocks[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS];
+    shb_list_sheets sheets[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS]; /* with_sheets */
     float farthest[SHB_LIST_BLOCKS *
                    SHB_LIST_BLOCKS]; /* of the cells of each, SHB_LIST_BLOCKS a row */
     shb_list_unsorted entries;

@@ -113,11 +113,14 @@ typedef struct own_method {
     const char *name;
     shb_occluders occluders;
     uint32_t map_size;
+    bool classifies;
 } own_method;
 
 static bool compare_method(const comparison *c, embree_work *peer, const own_method *method,
                            const char *task) {
-    shb_map_desc desc = {.width = method->map_size, .occluders = method->occluders};
+    shb_map_desc desc = {.width = method->map_size,
+                         .occluders = method->occluders,
+                         .classifies = method->classifies};
     own_work own = {.c = c,
                     .bias = method->occluders ? shb_bias_exact() : shb_bias_adaptive(1e-4f, 0),
                     .visibility = c->frame.visibility};
@@ -150,10 +153,11 @@ static bool compare_method(const comparison *c, embree_work *peer, const own_met
 
 static bool compare(const comparison *c) {
     static const own_method methods[] = {
-        {"adaptive", SHB_OCCLUDERS_NONE, 2048},
-        {"exact planes", SHB_OCCLUDERS_PLANES, 2048},
-        {"exact triangles", SHB_OCCLUDERS_TRIANGLES, 1024},
-        {"exact lists", SHB_OCCLUDERS_LISTS, 1024},
+        {"adaptive", SHB_OCCLUDERS_NONE, 2048, false},
+        {"exact planes", SHB_OCCLUDERS_PLANES, 2048, false},
+        {"exact triangles", SHB_OCCLUDERS_TRIANGLES, 1024, false},
+        {"exact lists", SHB_OCCLUDERS_LISTS, 1024, false},
+        {"certain lists", SHB_OCCLUDERS_LISTS, 1024, true},
     };
     const shb_vec3 size = shb_vec3_subtract(c->scene->bounds.hi, c->scene->bounds.lo);
     embree_work peer = {.c = c,
