@@ -212,7 +212,7 @@ static size_t find_runs(shb_fragment_reader *reader, const shb_fragment_span *sp
     shb_surface_table *table = &reader->table;
     const uint32_t pixels = span->end - span->column;
     const uint32_t *ids = ids_of(reader->frame, span, pixels);
-    uint8_t starts[SHB_STARTS];
+    uint16_t starts[SHB_STARTS];
     const size_t all = reader->kernels->starts(ids, pixels, starts);
     size_t count = 0;
     if (table->count + all > SHB_TABLE)

@@ -119,8 +119,7 @@ static void find_runs(const texel_job *job, uint32_t first, uint32_t end, band *
     b->count = 0;
     for (uint32_t row = first; row < end; row++) {
         const uint32_t *texels = shb_occluder_row(job->map, (int32_t)row);
-        runs.count = kernels->find_columns(texels, job->map->info.width, runs.columns);
-        runs.columns[runs.count] = (uint16_t)job->map->info.width;
+        runs.count = kernels->starts(texels, job->map->info.width, runs.columns);
         for (size_t i = 0; i < runs.count; i++)
             runs.places[i] = place_of(b, texels[runs.columns[i]]);
         b->runs[row - first] = runs;

@@ -1,34 +1,33 @@
 /* Fragments of a row of pixels from the triangles that they see: the formulas of surface.c. */
 
 /* Appends the numbers of the bits that are set, of four from number first on. */
-static inline ALWAYS_INLINE size_t add_bits(uint32_t bits, uint32_t first, uint8_t *numbers,
+static inline ALWAYS_INLINE size_t add_bits(uint32_t bits, uint32_t first, uint16_t *numbers,
                                             size_t found) {
-    static const uint8_t set[16][4] = {{0},    {0},       {1},       {0, 1},      {2},    {0, 2},
-                                       {1, 2}, {0, 1, 2}, {3},       {0, 3},      {1, 3}, {0, 1, 3},
-                                       {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+    static const uint16_t set[16][4] = {
+        {0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
+        {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
     static const uint8_t counts[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
-    uint32_t four;
+    uint64_t four;
     memcpy(&four, set[bits], sizeof four);
-    four += first * 0x01010101u;
+    four += first * 0x0001000100010001u;
     memcpy(numbers + found, &four, sizeof four);
     return found + counts[bits];
 }
 
-static size_t find_starts(const uint32_t *ids, size_t count, uint8_t starts[SHB_STARTS]) {
+static size_t find_starts(const uint32_t *ids, size_t count, uint16_t *starts) {
     size_t found = 1, i = 1;
     starts[0] = 0;
     for (; i + WIDE <= count; i += WIDE) {
-        const uint32_t bits =
+        uint32_t bits =
             vi_bits(vi_load((const int32_t *)ids + i) != vi_load((const int32_t *)ids + i - 1));
-        if (bits)
-            for (uint32_t k = 0; k < WIDE; k += 4)
-                found = add_bits(bits >> k & 15, (uint32_t)i + k, starts, found);
+        for (uint32_t k = 0; bits; bits >>= 4, k += 4)
+            found = add_bits(bits & 15, (uint32_t)i + k, starts, found);
     }
     for (; i < count; i++) {
-        starts[found] = (uint8_t)i;
+        starts[found] = (uint16_t)i;
         found += ids[i] != ids[i - 1];
     }
-    starts[found] = (uint8_t)count;
+    starts[found] = (uint16_t)count;
     return found;
 }
 

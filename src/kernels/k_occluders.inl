@@ -120,35 +120,6 @@ static inline ALWAYS_INLINE void store_depths(wd depth, double far_depth, bool n
     wd_store_floats(out, depth);
 }
 
-/* Appends the numbers of the bits that are set, of four from number first on. */
-static inline ALWAYS_INLINE size_t add_columns(uint32_t bits, uint32_t first, uint16_t *columns,
-                                               size_t found) {
-    static const uint16_t set[16][4] = {
-        {0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
-        {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
-    static const uint8_t counts[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
-    uint64_t four;
-    memcpy(&four, set[bits], sizeof four);
-    four += first * 0x0001000100010001u;
-    memcpy(columns + found, &four, sizeof four);
-    return found + counts[bits];
-}
-
-/* The texels from which on a row holds another triangle than to the left. */
-static size_t find_columns(const uint32_t *ids, uint32_t count, uint16_t *columns) {
-    size_t found = 1;
-    columns[0] = 0;
-    for (uint32_t i = 1; i < count; i += WIDE) {
-        const int32_t *own = (const int32_t *)(const void *)(ids + i);
-        uint32_t starts = vi_bits(vi_load(own) != vi_load(own - 1));
-        if (count - i < WIDE)
-            starts &= (1u << (count - i)) - 1;
-        for (uint32_t k = 0; starts; starts >>= 4, k += 4)
-            found = add_columns(starts & 15, i + k, columns, found);
-    }
-    return found;
-}
-
 /* Runs are written by whole vectors, the first of which the next run writes over. */
 static void resolve_runs(const shb_resolve *job, uint32_t row, const shb_texel_runs *runs,
                          float *depths, uint32_t *texels) {

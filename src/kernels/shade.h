@@ -75,10 +75,6 @@ typedef struct shb_shade_kernels {
     void (*find_planes)(const shb_map *map, size_t count, const shb_plane_corners *corners,
                         shb_occluder_plane *planes);
 
-    /* Where runs of equal ids begin among count, at least one; returns how many there are. A cache
-     * line more may be read, and columns up to three more be written. */
-    size_t (*find_columns)(const uint32_t *ids, uint32_t count, uint16_t *columns);
-
     /* Depths and slopes of a row of runs. A depth lies behind the true plane by all that the plane
      * may be off. Where there is no triangle, texels stay the same if they are as far as can be and
      * SHB_ID_NONE. A cache line more may be written. */
@@ -101,9 +97,9 @@ typedef struct shb_shade_kernels {
     shb_bias_fn *constant, *slope, *angle, *receiver_plane, *adaptive, *adaptive_soft;
     shb_bias_fn *normal_offset, *normal_offset_depth, *texel_cone;
 
-    /* Where runs of equal ids begin among count, at most SHB_SPAN, and at last the count; returns
-     * how many there are. */
-    size_t (*starts)(const uint32_t *ids, size_t count, uint8_t starts[SHB_STARTS]);
+    /* Where runs of equal ids begin among count, at most SHB_SIZE_MAX, and at last the count;
+     * returns how many there are. Four more than all may be written. */
+    size_t (*starts)(const uint32_t *ids, size_t count, uint16_t *starts);
 
     /* Prepares count triangles of one instance, whose corners are read. */
     void (*triangles)(const shb_surface_view *view, const shb_surface_instance *instance,
