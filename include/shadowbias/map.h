@@ -110,7 +110,8 @@ enum {
  * edge, a silhouette, a line of contact; and those outside the view or with coordinates so large
  * that rounding moves them by 1/32 texel (1/256 where the map keeps lists). The map must have been
  * drawn with desc.classifies: SHB_ERROR_UNSUPPORTED, unless it is empty, when all is unsure.
- * Normals are not read. Other errors as shb_map_visibility. Allocates nothing; any thread, any
+ * Normals are not read. Maps with lists know edges by names of 64 bits, sums of which agree by
+ * accident once in 2^64. Other errors as shb_map_visibility. Allocates nothing; any thread, any
  * number at a time. */
 shb_result shb_map_classify(const shb_map *map, const shb_points *points, uint8_t *answers);
 

@@ -49,7 +49,7 @@ static inline vi vi_pick(vm mask, vi yes, vi no) {
     return (yes & mask) | (no & ~mask);
 }
 static inline vi vm_add(vm mask, vi a, vi b) {
-    return a + (mask & b);
+    return (vi)((vu)a + (vu)(mask & b)); /* sums may wrap */
 }
 static inline vm vm_and(vm a, vm b) {
     return a & b;
