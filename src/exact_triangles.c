@@ -181,6 +181,11 @@ void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
     const double rounding = points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING;
     shb_walk_group group;
     asking a = {.map = map, .receivers = receivers};
+    if (map->occluders.plane_count == 0) { /* the kernels read a triangle in any case */
+        for (size_t i = 0; i < points->count; i++)
+            visibility[i] = 1;
+        return;
+    }
     for (size_t i = 0; i < points->count; i += SHB_LIST_GROUP) {
         const size_t left = points->count - i;
         group.count = left < SHB_LIST_GROUP ? left : SHB_LIST_GROUP;
