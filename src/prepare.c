@@ -52,8 +52,12 @@ void shb_prepared_release(shb_map *map) {
 }
 
 void shb_prepared_outdate(shb_map *map) {
-    for (int i = 0; i < map->prepared_count; i++)
-        map->prepared[i].outdated = true;
+    for (int i = map->prepared_count - 1; i >= 0; i--) {
+        if (map->prepared[i].outdated)
+            drop(map, i);
+        else
+            map->prepared[i].outdated = true;
+    }
 }
 
 /* Makes room for one more: of what the same filter made with other parameters, of what is outdated,

@@ -165,6 +165,10 @@ TEST(drawing_a_map_outdates_what_was_prepared) {
     CHECK(ask(&h, &filter) == 2);
     CHECK_INT(count.made, 2);
     CHECK_INT(shb_map_get_info(h.map)->memory_bytes, plain + 1000);
+    CHECK_INT(shb_map_draw(h.map, &(shb_scene){0}, NULL, NULL), SHB_OK);
+    CHECK_INT(shb_map_get_info(h.map)->memory_bytes, plain + 1000);
+    CHECK_INT(shb_map_draw(h.map, &(shb_scene){0}, NULL, NULL), SHB_OK);
+    CHECK_INT(shb_map_get_info(h.map)->memory_bytes, plain);
     close_host(&h);
 }
 

@@ -55,8 +55,8 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
 /* Lets the filter make what it reads beside the depths (shb_filter.prepare), and keeps it until the
  * map is drawn again or destroyed, the filter is prepared with other parameters, or another filter
  * takes its place where more than SHB_PREPARED_MAX are kept; a filter that prepares nothing is
- * SHB_OK. Drawing outdates it but leaves its memory to the next preparation of the same filter. To
- * be called again when a host changes the texels of a wrapped map. What is kept is used by filters
+ * SHB_OK. Drawing outdates it but leaves its memory to the next preparation of the same filter,
+ * until it is drawn once more. To be called again when a host changes the texels of a wrapped map. What is kept is used by filters
  * with the same prepare, release, params and user. One call at a time for a context, and none while
  * others ask the map. SHB_ERROR_ARGUMENT for NULL, else as the filter says; the map keeps what it
  * held then. */
