@@ -60,18 +60,17 @@ void shb_prepared_outdate(shb_map *map) {
     }
 }
 
-/* Makes room for one more: of what the same filter made with other parameters, of what is outdated,
- * or of the oldest. */
+/* Makes room for one more: of what is outdated, of what the same filter made with other parameters,
+ * and of the oldest if need be. */
 static void make_room(shb_map *map, const shb_filter *filter) {
-    for (int i = map->prepared_count - 1; i >= 0; i--)
-        if (map->prepared[i].filter.prepare == filter->prepare &&
-            map->prepared[i].filter.user == filter->user)
+    for (int i = map->prepared_count - 1; i >= 0; i--) {
+        const shb_filter *other = &map->prepared[i].filter;
+        if (map->prepared[i].outdated ||
+            (other->prepare == filter->prepare && other->user == filter->user))
             drop(map, i);
-    int oldest = 0;
-    for (int i = map->prepared_count - 1; i >= 0; i--)
-        oldest = map->prepared[i].outdated ? i : oldest;
+    }
     if (map->prepared_count == SHB_PREPARED_MAX)
-        drop(map, oldest);
+        drop(map, 0);
 }
 
 shb_result shb_map_prepare(shb_map *map, const shb_filter *filter) {

@@ -56,10 +56,10 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
  * map is drawn again or destroyed, the filter is prepared with other parameters, or another filter
  * takes its place where more than SHB_PREPARED_MAX are kept; a filter that prepares nothing is
  * SHB_OK. Drawing outdates it but leaves its memory to the next preparation of the same filter,
- * until it is drawn once more. To be called again when a host changes the texels of a wrapped map. What is kept is used by filters
- * with the same prepare, release, params and user. One call at a time for a context, and none while
- * others ask the map. SHB_ERROR_ARGUMENT for NULL, else as the filter says; the map keeps what it
- * held then. */
+ * until another one is prepared anew or the map is drawn once more. To be called again when a host
+ * changes the texels of a wrapped map. What is kept is used by filters with the same prepare,
+ * release, params and user. One call at a time for a context, and none while others ask the map.
+ * SHB_ERROR_ARGUMENT for NULL, else as the filter says; the map keeps what it held then. */
 shb_result shb_map_prepare(shb_map *map, const shb_filter *filter);
 
 /* What different filters made of a map, kept at the same time. */
