@@ -19,19 +19,27 @@ static shb_result check_params(const shb_map *map, const shb_filter *filter) {
                                         SHB_WINDOW_MIN, SHB_WINDOW_MAX);
 }
 
+/* NULL: no memory. */
+static shb_backprojection *create(const shb_map *map, const shb_filter *filter) {
+    shb_backprojection *made = shb_alloc(map->context, 1, sizeof *made);
+    if (!made)
+        return NULL;
+    made->window = (int)filter->params[SHB_PARAM_WINDOW];
+    if (shb_light_span_create(map, filter->params[SHB_PARAM_LIGHT], &made->span))
+        return made;
+    shb_free(map->context, made);
+    return NULL;
+}
+
 shb_result shb_backprojection_prepare(const shb_map *map, const shb_filter *filter, void **prepared,
                                       size_t *bytes) {
     const shb_result result = check_params(map, filter);
     if (result != SHB_OK)
         return result;
-    shb_backprojection *made = *prepared ? *prepared : shb_alloc(map->context, 1, sizeof *made);
-    if (!made ||
-        (!*prepared && !shb_light_span_create(map, filter->params[SHB_PARAM_LIGHT], &made->span))) {
-        shb_free(map->context, made);
+    shb_backprojection *made = *prepared ? *prepared : create(map, filter);
+    if (!made)
         return shb_filter_no_memory(map, filter);
-    }
     shb_light_span_fill(map, &made->span);
-    made->window = (int)filter->params[SHB_PARAM_WINDOW];
     *prepared = made;
     *bytes = sizeof *made + made->span.minima.bytes;
     return SHB_OK;

@@ -90,15 +90,20 @@ TEST(a_filter_finds_what_it_prepared_with_the_same_parameters) {
     close_host(&h);
 }
 
+/* A filter of its own for each of so many counts, with their places as parameters. */
+static void prepare_kinds(const host *h, tally *counts, int kinds) {
+    for (int i = 0; i < kinds; i++) {
+        const shb_filter filter = number_filter(&counts[i], (float)i);
+        CHECK_INT(shb_map_prepare(h->map, &filter), SHB_OK);
+    }
+}
+
 TEST(filters_of_several_kinds_are_prepared_at_the_same_time) {
     host h;
     open_host(&h);
     const size_t plain = shb_map_get_info(h.map)->memory_bytes;
     tally counts[SHB_PREPARED_MAX + 1] = {0};
-    for (int i = 0; i <= SHB_PREPARED_MAX; i++) {
-        const shb_filter filter = number_filter(&counts[i], (float)i);
-        CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
-    }
+    prepare_kinds(&h, counts, SHB_PREPARED_MAX + 1);
     for (int i = 0; i <= SHB_PREPARED_MAX; i++) {
         const shb_filter filter = number_filter(&counts[i], (float)i);
         CHECK(ask(&h, &filter) == (i == 0 ? -1.0f : (float)i + 1));
@@ -219,10 +224,7 @@ TEST(what_is_outdated_makes_room_first) {
     host h;
     open_drawn_host(&h);
     tally counts[SHB_PREPARED_MAX + 1] = {0};
-    for (int i = 0; i < SHB_PREPARED_MAX; i++) {
-        const shb_filter filter = number_filter(&counts[i], (float)i);
-        CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
-    }
+    prepare_kinds(&h, counts, SHB_PREPARED_MAX);
     CHECK_INT(shb_map_draw(h.map, &(shb_scene){0}, NULL, NULL), SHB_OK);
     const int order[] = {0, 2, SHB_PREPARED_MAX};
     for (int k = 0; k < 3; k++) {
