@@ -109,6 +109,24 @@ TEST(a_constant_bias_loses_a_narrow_gap_that_lists_keep) {
     shb_context_destroy(context);
 }
 
+/* At 10^7 units from the origin float positions are half a unit apart, in a scene of 3 units. */
+TEST(lists_have_no_errors_at_all_where_points_are_named_by_triangle_and_weights) {
+    static const char *const names[] = {"moved-1e7", "relief-0.1", "needles", "foliage"};
+    shb_context *context = create_context();
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const stability_case c = case_of(names[i]);
+        stability_stage stage = stage_of(context, &c);
+        if (i == 0)
+            CHECK(errors_in(&stage, "exact-lists").wrong > stage.frame.fragment_count / 100);
+        CHECK_INT(stability_name_points(&stage), SHB_OK);
+        const shb_errors errors = errors_in(&stage, "exact-lists");
+        CHECK_INT(errors.wrong, 0);
+        CHECK(errors.lit > 1000);
+        stability_stage_close(&stage);
+    }
+    shb_context_destroy(context);
+}
+
 TEST(maps_have_the_size_of_their_case_before_that_of_the_options) {
     shb_context *context = create_context();
     const stability_case own = case_of("map-size-64"), any = case_of("plane-45");

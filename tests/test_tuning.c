@@ -23,7 +23,8 @@ static void open_setting(setting *s) {
     CHECK_INT(shb_map_create(s->scene.context, &s->scene.map, &s->map), SHB_OK);
     CHECK_INT(shb_map_draw(s->map, &s->scene.scene->scene, NULL, NULL), SHB_OK);
     CHECK_INT(measure_truth_create(&s->scene.frame, s->map, &s->truth), SHB_OK);
-    s->subject = (tuning_subject){&s->scene.frame, s->truth.fragments, s->map};
+    s->subject = (tuning_subject){&s->scene.frame, measure_positions(&s->scene.frame),
+                                  s->truth.fragments, s->map};
 }
 
 static void close_setting(setting *s) {

@@ -119,7 +119,8 @@ static shb_result search(const tuner *t, const tuning_subject *subject, size_t n
 /* The map is left as the row's last question drew it; what is measured after needs its own. */
 static shb_result tune(const tuner *t, size_t number, tuner_row *row) {
     const shb_bias_method *method = method_named(knobs[number].method);
-    const tuning_subject subject = {&t->stage->frame, t->truth.fragments, t->map};
+    const tuning_subject subject = {&t->stage->frame, measure_positions(&t->stage->frame),
+                                    t->truth.fragments, t->map};
     const shb_bias start = method->make();
     *row = (tuner_row){.method = method->name,
                        .has_knob = knobs[number].count > 0,

@@ -102,11 +102,15 @@ void measure_frame_destroy(measure_frame *frame) {
     *frame = (measure_frame){0};
 }
 
+shb_points measure_positions(const measure_frame *frame) {
+    return (shb_points){
+        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
+}
+
 shb_points measure_points(const measure_frame *frame) {
-    return (shb_points){.count = frame->fragment_count,
-                        .positions = frame->positions,
-                        .normals = frame->normals,
-                        .own = {frame->own_ids, frame->weights_1, frame->weights_2}};
+    shb_points points = measure_positions(frame);
+    points.own = (shb_own_triangles){frame->own_ids, frame->weights_1, frame->weights_2};
+    return points;
 }
 
 shb_result measure_truth_create(const measure_frame *frame, const shb_map *map,

@@ -26,7 +26,9 @@ shb_result measure_frame_create(shb_context *context, const example_scene *scene
                                 uint32_t height, measure_frame *frame);
 void measure_frame_destroy(measure_frame *frame);
 
-/* All fragments with all that is known of them; valid as long as the frame. */
+/* All fragments by position and normal, and with all that is known of them; valid as long as the
+ * frame. */
+shb_points measure_positions(const measure_frame *frame);
 shb_points measure_points(const measure_frame *frame);
 
 /* What is true of a frame under one light; depends on the map's view and size, not on its depths,

@@ -10,13 +10,12 @@ enum { STEPS = 10 };
 
 shb_result tuning_ask(const tuning_subject *subject, tuned *tried) {
     measure_frame *frame = subject->frame;
-    const shb_points points = {
-        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
     shb_result result = SHB_OK;
     if (tried->bias.combine)
         result = shb_map_draw(subject->map, &frame->scene->scene, &tried->bias, NULL);
     if (!result)
-        result = shb_map_visibility(subject->map, &points, &tried->bias, NULL, frame->visibility);
+        result = shb_map_visibility(subject->map, &subject->points, &tried->bias, NULL,
+                                    frame->visibility);
     return result ? result
                   : shb_errors_measure(frame->fragment_count, subject->truth, frame->visibility,
                                        &tried->errors);

@@ -7,6 +7,7 @@
 /* What is asked again and again with other values. */
 typedef struct tuning_subject {
     measure_frame *frame;
+    shb_points points;    /* the frame's fragments, with what the method may know of them */
     const uint8_t *truth; /* one a fragment */
     shb_map *map;         /* of the light, drawn for the method that is tuned */
 } tuning_subject;

@@ -47,14 +47,11 @@ static box_errors count_errors(const stability_stage *stage) {
 
 static shb_result measure(const stability_stage *stage, const listed_method *method,
                           const shb_filter *filter, box_errors *errors) {
-    const measure_frame *frame = &stage->frame;
-    const shb_points points = {
-        .count = frame->fragment_count, .positions = frame->positions, .normals = frame->normals};
     const shb_bias bias = method->method->make();
     shb_map *map = NULL;
     shb_result result = stability_draw_map(stage, method, &bias, &map);
     if (!result)
-        result = shb_map_visibility(map, &points, &bias, filter, frame->visibility);
+        result = shb_map_visibility(map, &stage->points, &bias, filter, stage->frame.visibility);
     if (!result)
         *errors = count_errors(stage);
     shb_map_destroy(map);

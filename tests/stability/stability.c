@@ -84,6 +84,8 @@ int main(int argc, char **argv) {
          ARGUMENT_COUNT, &options.box, 1, 63},
         {"--size", "N", "texels on a side of maps where the case is not about it (1024)",
          ARGUMENT_COUNT, &options.map_size, 1, 16384},
+        {"--named", NULL, "name fragments by triangle and weights, not by rounded positions",
+         ARGUMENT_FLAG, &options.named, 0, 0},
         {"--tsv", NULL, "print every row, tab-separated", ARGUMENT_FLAG, &options.tsv, 0, 0},
         {"--out", "DIR", "write stability.tsv, certain.tsv, heat.ppm and heat.svg", ARGUMENT_TEXT,
          &options.directory, 0, 0},

@@ -152,6 +152,54 @@ static shb_result find_truth(stability_stage *stage, uint32_t reach) {
     return result;
 }
 
+/* Where the library puts a point of a triangle: from its first corner on. */
+static shb_vec3 named_point(const owned_mesh *mesh, uint32_t id, float weight_1, float weight_2) {
+    const uint32_t *corners = mesh->indices + 3 * (size_t)id;
+    double point[3];
+    for (size_t i = 0; i < 3; i++) {
+        const double a = (double)mesh->positions[3 * (size_t)corners[0] + i];
+        const double b = (double)mesh->positions[3 * (size_t)corners[1] + i];
+        const double c = (double)mesh->positions[3 * (size_t)corners[2] + i];
+        point[i] = a + ((b - a) * (double)weight_1 + (c - a) * (double)weight_2);
+    }
+    return (shb_vec3){point[0], point[1], point[2]};
+}
+
+/* Rays to the light from the named points of all fragments. */
+static shb_result cast_rays(const stability_stage *stage, shb_vec3 *points, uint8_t *occluded) {
+    const measure_frame *frame = &stage->frame;
+    for (size_t i = 0; i < frame->fragment_count; i++)
+        points[i] = named_point(&stage->scene->meshes[0], frame->own_ids[i], frame->weights_1[i],
+                                frame->weights_2[i]);
+    shb_light_source light;
+    shb_reference *reference = NULL;
+    shb_result result = shb_view_light_source(&stage->map.view, &light);
+    if (!result)
+        result = shb_reference_create(stage->context, &stage->scene->scene, &reference);
+    if (!result)
+        result = shb_reference_occluded(reference, &light, frame->fragment_count, points,
+                                        frame->own_ids, occluded);
+    shb_reference_destroy(reference);
+    return result;
+}
+
+shb_result stability_name_points(stability_stage *stage) {
+    const size_t count = stage->frame.fragment_count;
+    shb_vec3 *points = malloc((count + 1) * sizeof *points);
+    uint8_t *occluded = malloc(count + 1);
+    const shb_result result =
+        points && occluded ? cast_rays(stage, points, occluded) : SHB_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !result; i++)
+        if (stage->truth[i] != SHB_TRUTH_NONE)
+            stage->truth[i] = (uint8_t)((stage->truth[i] & SHB_TRUTH_BOUNDARY) |
+                                        (occluded[i] ? SHB_TRUTH_SHADOWED : SHB_TRUTH_LIT));
+    free(points);
+    free(occluded);
+    if (!result)
+        stage->points = measure_points(&stage->frame);
+    return result;
+}
+
 shb_result stability_stage_open(shb_context *context, const stability_case *c, uint32_t width,
                                 uint32_t height, uint32_t map_size, uint32_t reach,
                                 stability_stage *stage) {
@@ -173,6 +221,8 @@ shb_result stability_stage_open(shb_context *context, const stability_case *c, u
         result = find_truth(stage, reach);
     if (result)
         stability_stage_close(stage);
+    else
+        stage->points = measure_positions(&stage->frame);
     return result;
 }
 
@@ -210,7 +260,6 @@ static void add_answer(uint8_t truth, uint8_t answer, stability_certain *certain
 
 shb_result stability_ask_certain(const stability_stage *stage, stability_certain *certain) {
     const measure_frame *frame = &stage->frame;
-    const shb_points points = {.count = frame->fragment_count, .positions = frame->positions};
     uint8_t *answers = malloc(frame->fragment_count + 1);
     shb_map *map = NULL;
     shb_map_desc desc = stage->map;
@@ -219,7 +268,7 @@ shb_result stability_ask_certain(const stability_stage *stage, stability_certain
     if (!result)
         result = shb_map_draw(map, &stage->scene->scene, NULL, NULL);
     if (!result)
-        result = shb_map_classify(map, &points, answers);
+        result = shb_map_classify(map, &stage->points, answers);
     if (!result)
         for (size_t i = 0; i < frame->fragment_count; i++)
             add_answer(stage->truth[i], answers[i], certain);

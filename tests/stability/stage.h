@@ -14,8 +14,9 @@ typedef struct stability_stage {
     shb_context *context;
     example_scene *scene;
     measure_frame frame;
-    shb_map_desc map; /* the light; occluders are up to the method */
-    uint8_t *truth;   /* one a fragment */
+    shb_points points; /* the fragments, as methods are asked about them */
+    shb_map_desc map;  /* the light; occluders are up to the method */
+    uint8_t *truth;    /* one a fragment */
 } stability_stage;
 
 /* False if the case has no file here; the result tells of other failures. On failure *stage is
@@ -26,6 +27,11 @@ shb_result stability_stage_open(shb_context *context, const stability_case *c, u
                                 uint32_t height, uint32_t map_size, uint32_t reach,
                                 stability_stage *stage);
 void stability_stage_close(stability_stage *stage);
+
+/* Names every fragment by its triangle and weights instead of its position alone, and finds the
+ * truth of these very points: what is left of a method's errors is its own, not that of rounded
+ * positions. On failure the stage is as before. */
+shb_result stability_name_points(stability_stage *stage);
 
 /* A map of the stage's light, drawn for a method with these parameters; the caller destroys it. */
 shb_result stability_draw_map(const stability_stage *stage, const listed_method *method,

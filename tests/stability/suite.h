@@ -10,6 +10,7 @@ typedef struct stability_options {
     const char *subject; /* only this case, or NULL */
     uint32_t box;        /* texels on a side of a filter, 0: a single one */
     uint32_t map_size;   /* of maps whose case does not name one, 0: STABILITY_MAP_SIZE */
+    bool named;          /* fragments by triangle and weights */
     bool quick;
     bool tsv;
     const char *directory; /* for files, or NULL */

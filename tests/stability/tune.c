@@ -3,7 +3,8 @@
 #include "tuning.h"
 
 static tuning_subject subject_of(stability_stage *stage, shb_map *map) {
-    return (tuning_subject){.frame = &stage->frame, .truth = stage->truth, .map = map};
+    return (tuning_subject){
+        .frame = &stage->frame, .points = stage->points, .truth = stage->truth, .map = map};
 }
 
 shb_result stability_measure(stability_stage *stage, const listed_method *method,
