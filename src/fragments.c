@@ -256,6 +256,16 @@ static void read_nearest(shb_fragment_reader *reader, size_t i, shb_fragments *o
     out->weight_2[i] = (float)weights[2];
 }
 
+/* Rounding may leave a point just beyond an edge, in the shadow of a neighbour that rises there:
+ * the smaller weight becomes what the larger one leaves, which is exact from 1/2 on. */
+static void keep_within(size_t count, float *restrict weight_1, float *restrict weight_2) {
+    for (size_t i = 0; i < count; i++) {
+        const float b = weight_1[i], c = weight_2[i];
+        weight_1[i] = b < c && b > 1 - c ? 1 - c : b;
+        weight_2[i] = b >= c && c > 1 - b ? 1 - b : c;
+    }
+}
+
 static bool has_nan(size_t count, const float *values) {
     int32_t found = 0;
     for (size_t i = 0; i < count; i++)
@@ -298,6 +308,7 @@ size_t shb_fragments_read(shb_fragment_reader *reader, const shb_fragment_span *
         for (size_t i = 0; i < count; i++)
             if (isnan(outside[i]))
                 read_nearest(reader, i, fragments);
+    keep_within(count, fragments->weight_1, fragments->weight_2);
     pad(count, fragments, facing);
     return count;
 }

@@ -40,6 +40,35 @@ TEST(shade_fragments_of_an_orthographic_camera) {
     shb_context_destroy(context);
 }
 
+/* The pixels' centres on the edge from the second to the third corner, where both weights, k / 101
+ * and 1 - k / 101, may be rounded up. */
+TEST(shade_weights_keep_points_of_an_edge_within_their_triangle) {
+    enum { SIZE = 102, STEPS = SIZE - 1 };
+    const float positions[9] = {0.5f, 0.5f, 4, 0.5f, SIZE - 0.5f, 4, SIZE - 0.5f, 0.5f, 4};
+    const shb_mesh mesh = {.positions = positions, .vertex_count = 3, .triangle_count = 1};
+    const shb_instance instance = {.mesh = &mesh};
+    const shb_scene scene = {&instance, 1};
+    const shb_view view = pixel_space(SIZE, SIZE);
+    static uint32_t ids[SIZE * SIZE];
+    for (int i = 0; i < SIZE * SIZE; i++)
+        ids[i] = i % SIZE + i / SIZE == STEPS ? 0 : SHB_ID_NONE;
+    shb_context *context = shading_context(1);
+    seen_pixel *pixels = shade_and_record(
+        context,
+        (shb_shade_desc){
+            .frame = {.view = &view, .scene = &scene, .width = SIZE, .height = SIZE, .ids = ids}});
+    for (int x = 0; x < SIZE; x++) {
+        const seen_pixel *pixel = &pixels[(STEPS - x) * SIZE + x];
+        const double weight_1 = (double)pixel->weight_1, weight_2 = (double)pixel->weight_2;
+        CHECK_INT(pixel->times, 1);
+        CHECK(weight_1 >= 0 && weight_2 >= 0 && weight_1 + weight_2 <= 1);
+        CHECK_NEAR(weight_1, (double)(STEPS - x) / STEPS, 0x1p-23);
+        CHECK_NEAR(weight_2, (double)x / STEPS, 0x1p-23);
+    }
+    free(pixels);
+    shb_context_destroy(context);
+}
+
 TEST(shade_fragments_of_a_perspective_camera) {
     /* The floor y = -1 from behind the camera to the horizon: the ray (x, y, -1) meets it at 1 / -y
      * times itself. The diagonal runs from (-100, 10) to (100, -190) in (x, z): z = -90 - x. */

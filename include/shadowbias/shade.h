@@ -37,7 +37,8 @@ typedef struct shb_fragments {
         shading_x[SHB_BATCH]; /* interpolated from the mesh's normals; the triangle's without any */
     float shading_y[SHB_BATCH];
     float shading_z[SHB_BATCH];
-    float weight_1[SHB_BATCH]; /* barycentric weights of the triangle's second and third corner */
+    float weight_1[SHB_BATCH]; /* barycentric weights of the triangle's second and third corner: at
+                                  least 0, and in sum, before it is rounded, at most 1 */
     float weight_2[SHB_BATCH];
     uint32_t id[SHB_BATCH];
     int32_t pixel_x[SHB_BATCH];
