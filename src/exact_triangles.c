@@ -1,17 +1,19 @@
-/* From each of the four samples around a fragment a walk follows the mesh to the fragment's place.
+/* From each of the four samples around a fragment a way over the sheet of the mesh that is seen
+ * there leads to the fragment's place.
  *
  * A triangle met there in front of the fragment blocks its ray, whatever led to it. If all four
- * walks meet the fragment's own surface without a turn of the mesh, there is no silhouette near,
- * and the fragment is lit. Otherwise the walks go on, over folds and beyond the fragment, because
- * what the samples have missed may hang on the mesh on its other side; and a fragment that none of
- * them finds a blocker for is lit, too: what is in front of it at the samples is known to end
- * before it. Only if all four were cut before they met anything, the planes are asked instead: what
- * is not one mesh may go on all the same. */
+ * sheets are the fragment's own surface there, there is no silhouette near, and the fragment is
+ * lit. Otherwise walks go on, over folds and beyond the fragment, because what the samples have
+ * missed may hang on the mesh on its other side; and a fragment that none of them finds a blocker
+ * for is lit, too: what is in front of it at the samples is known to end before it. Only if all
+ * four were cut before they met anything, the planes are asked instead: what is not one mesh may go
+ * on all the same. */
 #include "strict.h"
 
 #include "exact_triangles.h"
 
 #include "exact.h"
+#include "exact_sheet.h"
 #include "exact_walk.h"
 #include "kernels/shade.h"
 #include "occluders.h"
@@ -54,39 +56,71 @@ static hit compare_depth(const asking *a, uint32_t triangle) {
                                : HIT_BEHIND;
 }
 
+static hit hit_of(const asking *a, uint32_t triangle) {
+    return triangle == a->own_id ? HIT_OWN : compare_depth(a, triangle);
+}
+
 /* Of the next triangle whose plane is known; HIT_NONE: the walk has ended. */
 static hit next_hit(const asking *a, shb_walk *walk) {
     hit found = HIT_NONE;
     for (uint32_t met; !found && (met = shb_walk_next(walk)) != SHB_ID_NONE;)
-        found = met == a->own_id ? HIT_OWN : compare_depth(a, met);
+        found = hit_of(a, met);
     return found;
 }
 
-static void walk_from(const asking *a, int k, shb_walk *walk) {
+/* Triangles of a way over a sheet. */
+enum { WAY_MAX = 64 };
+
+/* The way from a sample as far as its sheet goes. */
+typedef struct sheet_way {
+    double from[2];
+    uint32_t triangle; /* the last one */
+    bool covers;       /* it covers the fragment's place */
+    hit hit;
+} sheet_way;
+
+static void place_sample(const asking *a, int k, double at[2]) {
     const int32_t beside = a->x - a->column < 0.5 ? -1 : 1;
     const int32_t above = a->y - a->row < 0.5 ? -1 : 1;
-    const double from[2] = {a->column + (k & 1 ? beside : 0) + 0.5,
-                            a->row + (k & 2 ? above : 0) + 0.5};
-    const double to[2] = {a->x, a->y};
-    shb_walk_begin(&a->map->occluders.mesh, a->samples[k], from, to, walk);
+    at[0] = a->column + (k & 1 ? beside : 0) + 0.5;
+    at[1] = a->row + (k & 2 ? above : 0) + 0.5;
 }
 
-static bool are_joined(const shb_light_mesh *mesh, uint32_t triangle, uint32_t other) {
+/* A triangle that is the fragment's surface, and those that its sheet goes on with. */
+typedef struct surroundings {
+    uint32_t triangles[4];
+} surroundings;
+
+static surroundings surroundings_of(const shb_light_mesh *mesh, uint32_t triangle) {
     const shb_walk_triangle *t = &mesh->triangles[triangle];
+    surroundings near = {{triangle, triangle, triangle, triangle}};
     for (uint32_t k = 0; k < 3; k++)
-        if (shb_neighbour_of(t->beyond[k]) == other)
-            return t->marks & SHB_EDGE_JOINED << k;
-    return false;
+        if (t->marks & SHB_EDGE_JOINED << k)
+            near.triangles[1 + k] = shb_neighbour_of(t->beyond[k]);
+    return near;
 }
 
-/* The nearest sample's sheet has led to the fragment's own triangle, and the other samples see it,
- * too, on triangles so near that their walks need not be made. */
-static bool are_near(const asking *a, const shb_walk *walk) {
-    for (int k = 1; k < 4; k++)
-        if (a->samples[k] != a->samples[0] && a->samples[k] != walk->triangle &&
-            !are_joined(walk->mesh, walk->triangle, a->samples[k]))
-            return false;
-    return true;
+static bool is_among(const surroundings *near, uint32_t triangle) {
+    return triangle == near->triangles[0] || triangle == near->triangles[1] ||
+           triangle == near->triangles[2] || triangle == near->triangles[3];
+}
+
+/* A way that comes beside where an earlier one has met the fragment's surface leads there, too. */
+static void go(const asking *a, const surroundings *near, sheet_way *way) {
+    const shb_light_mesh *mesh = &a->map->occluders.mesh;
+    const double to[2] = {a->x, a->y};
+    for (int steps = 0; steps < WAY_MAX; steps++) {
+        if (is_among(near, way->triangle)) {
+            way->hit = HIT_OWN;
+            return;
+        }
+        const uint32_t next = shb_sheet_next(mesh, way->triangle, way->from, to, &way->covers);
+        if (next == way->triangle)
+            break;
+        way->triangle = next;
+    }
+    if (way->covers)
+        way->hit = hit_of(a, way->triangle);
 }
 
 /* The test of mutual planes with the nearest sample's triangle. */
@@ -123,29 +157,48 @@ static bool is_first(const asking *a, int k) {
     return true;
 }
 
-/* One walk for each triangle. */
+/* Walks go on where ways have ended. */
+static bool walks_meet_shadow(const asking *a, int count, const sheet_way *ways) {
+    const double to[2] = {a->x, a->y};
+    bool are_cut = sees_all(a);
+    for (int i = 0; i < count; i++) {
+        shb_walk walk;
+        shb_walk_begin(&a->map->occluders.mesh, ways[i].triangle, ways[i].from, to, &walk);
+        if (ways[i].covers)
+            shb_walk_next(&walk);
+        bool is_cut = ways[i].hit == HIT_NONE;
+        for (hit next; (next = next_hit(a, &walk)) != HIT_NONE;) {
+            if (next == HIT_IN_FRONT)
+                return true;
+            is_cut = false;
+        }
+        are_cut &= is_cut && walk.cut;
+    }
+    return are_cut && is_shadowed_by_planes(a);
+}
+
+/* One way for each triangle. */
 static bool is_shadowed(const asking *a) {
-    bool is_plain = sees_all(a), are_cut = is_plain;
-    shb_walk walks[4];
+    surroundings near = {{SHB_ID_NONE, SHB_ID_NONE, SHB_ID_NONE, SHB_ID_NONE}};
+    bool is_plain = sees_all(a);
+    sheet_way ways[4];
     int count = 0;
     for (int k = 0; k < 4; k++) {
         if (a->samples[k] == SHB_ID_NONE || !is_first(a, k))
             continue;
-        shb_walk *walk = &walks[count++];
-        walk_from(a, k, walk);
-        const hit first = next_hit(a, walk);
-        if (first == HIT_IN_FRONT)
+        sheet_way *way = &ways[count++];
+        place_sample(a, k, way->from);
+        way->triangle = a->samples[k];
+        way->covers = false;
+        way->hit = HIT_NONE;
+        go(a, &near, way);
+        if (way->hit == HIT_IN_FRONT)
             return true;
-        are_cut &= first == HIT_NONE && walk->cut;
-        is_plain &= first == HIT_OWN && !walk->turned;
-        if (k == 0 && is_plain && are_near(a, walk))
-            return false;
+        if (way->hit == HIT_OWN && way->covers)
+            near = surroundings_of(&a->map->occluders.mesh, way->triangle);
+        is_plain &= way->hit == HIT_OWN;
     }
-    for (int i = 0; i < count && !is_plain; i++)
-        for (hit next; (next = next_hit(a, &walks[i])) != HIT_NONE;)
-            if (next == HIT_IN_FRONT)
-                return true;
-    return are_cut && is_shadowed_by_planes(a);
+    return !is_plain && walks_meet_shadow(a, count, ways);
 }
 
 static void ask_about(const shb_walk_group *g, size_t i, asking *a) {

@@ -15,32 +15,25 @@
 #define SHB_WALK_MAX 256
 #define SHB_WALK_REACH 2.0
 
-/* A place of the map, texels. */
-typedef struct shb_map_place {
-    double x, y;
-} shb_map_place;
+/* How far a vertex lies across the line, negative on the left, and along it beyond the place that
+ * the walk leads to; both times the line's length. */
+typedef struct shb_walk_end {
+    double across, along;
+} shb_walk_end;
 
 typedef struct shb_walk {
     const shb_light_mesh *mesh;
-    shb_map_place from, to;
-    uint32_t triangle; /* the latest; SHB_ID_NONE: the walk has ended */
-    /* The edge that it leaves by: its ends on the left and on the right of the line, and how far
-     * they lie across it, negative on the left, times the line's length. */
-    shb_map_place ends[2];
-    double across[2];
-    uint32_t lower;  /* which of them is the lower vertex */
-    bool leaves;     /* the exit is known */
-    uint32_t beyond; /* the neighbour there */
-    double side;     /* where to lies to the edge, from its lower vertex to its higher one */
-    double area;     /* of the triangle, positive if it lies on the left of the edge */
+    double to[2], way[2];     /* texels; the way leads from the first place to the other */
+    double nearest, farthest; /* along the line: what lies farther off does not come back */
+    uint32_t first, triangle; /* the latest; SHB_ID_NONE: the walk has ended */
+    shb_walk_end ends[2];     /* of the edge that it leaves by, on the left and on the right */
+    uint32_t lower;           /* which of them is the lower vertex */
+    uint32_t beyond;          /* the neighbour there */
+    double
+        crossing; /* where the line crosses that edge, along it, times the edge's extent across */
     int steps;
-    bool straight; /* it ends where the mesh turns round */
-    bool turned;   /* the mesh has turned round on the way, or may have: a triangle lies on the same
-                      side of the edge that leads to it as the one before, told by places whatever
-                      the winding, or is seen edge-on */
-    bool passed;   /* it has met a triangle that covers to */
-    bool cut;      /* it ended where no single triangle goes on, or at the light's near plane, or
-                      was too long */
+    bool cut; /* it ended where no single triangle goes on, or at the light's near plane, or was too
+                 long */
 } shb_walk;
 
 /* Begins a walk from a triangle that is seen at from, or nearly so, in the direction of to. */
@@ -50,10 +43,5 @@ void shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double 
 /* Goes on to the next triangle that covers to, the first one included; SHB_ID_NONE: there is none
  * before the end. */
 uint32_t shb_walk_next(shb_walk *walk);
-
-/* The triangle of the same sheet that covers to; SHB_ID_NONE if the sheet ends on the way or turns
- * round. */
-uint32_t shb_exact_walk(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
-                        const double to[2]);
 
 #endif

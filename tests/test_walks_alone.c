@@ -1,6 +1,7 @@
-/* What the exact method answers on maps that keep triangles is what four whole walks say, made one
- * after the other and compared by the bounds of light_point.h: whatever is settled without them, in
- * vectors of any width. */
+/* What the exact method answers on maps that keep triangles is what four ways over sheets and four
+ * whole walks say, made one after the other and compared by the bounds of light_point.h: whatever
+ * is settled without them, in vectors of any width. */
+#include "../src/exact_sheet.h"
 #include "../src/exact_walk.h"
 #include "../src/light_point.h"
 #include "../src/occluders.h"
@@ -23,42 +24,60 @@ static alone_hit compare(const shb_map *map, const shb_light_point *point, uint3
     return behind > error ? ALONE_IN_FRONT : behind < -error ? ALONE_BEHIND : ALONE_OWN;
 }
 
+/* What one sample's sheet and walk meet. */
+typedef struct told {
+    bool is_own, is_in_front; /* the point's own surface, where the sheet leads to, or before it */
+    bool walk_is_in_front;    /* something that the walk meets */
+    bool is_cut;              /* the walk, before it met anything */
+    bool is_uncertain;        /* not to be told here */
+} told;
+
+static told ask_sample(const shb_map *map, const shb_light_point *at, uint32_t sample,
+                       const double from[2]) {
+    const shb_light_mesh *mesh = &map->occluders.mesh;
+    const double to[2] = {at->x, at->y};
+    told t = {false};
+    const uint32_t end = shb_sheet_end(mesh, sample, from, to);
+    if (end != SHB_ID_NONE) {
+        const alone_hit hit = compare(map, at, end);
+        t.is_own = hit == ALONE_OWN;
+        t.is_in_front = hit == ALONE_IN_FRONT;
+        t.is_uncertain = hit == ALONE_UNSURE;
+    }
+    shb_walk walk;
+    shb_walk_begin(mesh, sample, from, to, &walk);
+    int count = 0;
+    for (uint32_t met; (met = shb_walk_next(&walk)) != SHB_ID_NONE; count++) {
+        const alone_hit hit = compare(map, at, met);
+        t.walk_is_in_front |= hit == ALONE_IN_FRONT;
+        t.is_uncertain |= hit == ALONE_UNSURE;
+    }
+    t.is_cut = count == 0 && walk.cut;
+    return t;
+}
+
 /* 1 lit, 0 shadowed; -1: not to be told here. */
 static int answer_alone(const shb_map *map, const float p[3]) {
     const double position[3] = {(double)p[0], (double)p[1], (double)p[2]};
     const shb_light_point at = shb_light_point_at(&map->rows, position, SHB_FLOAT_ROUNDING);
     const int32_t left = (int32_t)floor(at.x - 0.5), top = (int32_t)floor(at.y - 0.5);
-    const double to[2] = {at.x, at.y};
-    bool is_plain = true, are_cut = true, is_shadowed = false, is_first_in_front = false;
+    bool is_plain = true, are_cut = true, is_in_front = false, walk_is_in_front = false;
     for (int k = 0; k < 4; k++) {
         const int32_t column = left + (k & 1), row = top + (k >> 1);
         const bool inside = column >= 0 && row >= 0 && (uint32_t)column < map->info.width &&
                             (uint32_t)row < map->info.height;
         const uint32_t sample = inside ? shb_occluder_row(map, row)[column] : SHB_ID_NONE;
-        const double from[2] = {column + 0.5, row + 0.5};
-        is_plain &= sample != SHB_ID_NONE;
-        are_cut &= sample != SHB_ID_NONE;
-        if (sample == SHB_ID_NONE)
-            continue;
-        shb_walk walk;
-        shb_walk_begin(&map->occluders.mesh, sample, from, to, &walk);
-        for (int count = 0;; count++) {
-            const uint32_t met = shb_walk_next(&walk);
-            if (count == 0)
-                are_cut &= met == SHB_ID_NONE && walk.cut;
-            if (count == 0 && met == SHB_ID_NONE)
-                is_plain = false;
-            if (met == SHB_ID_NONE)
-                break;
-            const alone_hit hit = compare(map, &at, met);
-            if (hit == ALONE_UNSURE)
-                return -1;
-            is_plain &= count > 0 || (hit == ALONE_OWN && !walk.turned);
-            is_first_in_front |= count == 0 && hit == ALONE_IN_FRONT;
-            is_shadowed |= hit == ALONE_IN_FRONT;
-        }
+        told t = {false};
+        if (sample != SHB_ID_NONE)
+            t = ask_sample(map, &at, sample, (double[]){column + 0.5, row + 0.5});
+        if (t.is_uncertain)
+            return -1;
+        is_plain &= t.is_own;
+        are_cut &= t.is_cut;
+        is_in_front |= t.is_in_front;
+        walk_is_in_front |= t.walk_is_in_front;
     }
-    return are_cut ? -1 : is_first_in_front || (is_shadowed && !is_plain) ? 0 : 1;
+    return are_cut ? -1 : is_in_front || (walk_is_in_front && !is_plain) ? 0 : 1;
 }
 
 /* Balls whose vertices lie in and out over a floor, and needles between them. */

@@ -18,7 +18,7 @@
  * floats is 7 u N a b, and the calculation in floats another 10 u N a b. The numerators likewise. A
  * quarter more of the denominator's error holds the rounding of the slopes themselves. */
 
-#include "../exact_walk.h"
+#include "../exact_sheet.h"
 #include "../half.h"
 #include "../light_point.h"
 #include "../occluders.h"

@@ -34,7 +34,7 @@ static bool is_of_own_sheet(const mutual_batch *batch, size_t i, uint32_t triang
     const double middle[2] = {((t->x[0] + t->x[1]) + t->x[2]) / 3,
                               ((t->y[0] + t->y[1]) + t->y[2]) / 3};
     const double at[2] = {batch->x[i], batch->y[i]};
-    const uint32_t arrived = shb_exact_walk(mesh, triangle, middle, at);
+    const uint32_t arrived = shb_sheet_end(mesh, triangle, middle, at);
     if (arrived == SHB_ID_NONE)
         return false;
     const shb_occluder_plane *plane = &batch->map->occluders.planes[arrived];
