@@ -55,10 +55,10 @@ static bool has_class(const uint8_t classes[SHB_CHUNK], uint8_t class) {
     return (wide_equal_bytes(classes, class) | wide_equal_bytes(classes + 64, class)) != 0;
 }
 
-/* The four samples of each tiny triangle: its depth, or beyond the far depth where it is outside.
- */
+/* The four samples of each tiny triangle, row by row: its depth, or beyond the far depth where it
+ * is outside. */
 typedef struct tiny_samples {
-    SHB_ALIGN float depth[4][SHB_CHUNK];
+    SHB_ALIGN float depth[SHB_CHUNK][4];
 } tiny_samples;
 
 static void sample_tiny(int count, const chunk_planes *restrict planes,
@@ -68,10 +68,53 @@ static void sample_tiny(int count, const chunk_planes *restrict planes,
         int32_t edges[4];
         find_tiny_edges(planes, t, edges);
         const float upper = planes->depth[t], lower = upper + planes->depth_y[t];
-        samples->depth[0][t] = edges[0] < 0 ? outside : upper;
-        samples->depth[1][t] = edges[1] < 0 ? outside : upper + planes->depth_x[t];
-        samples->depth[2][t] = edges[2] < 0 ? outside : lower;
-        samples->depth[3][t] = edges[3] < 0 ? outside : lower + planes->depth_x[t];
+        samples->depth[t][0] = edges[0] < 0 ? outside : upper;
+        samples->depth[t][1] = edges[1] < 0 ? outside : upper + planes->depth_x[t];
+        samples->depth[t][2] = edges[2] < 0 ? outside : lower;
+        samples->depth[t][3] = edges[3] < 0 ? outside : lower + planes->depth_x[t];
+    }
+}
+
+typedef float quad_floats __attribute__((vector_size(16)));
+
+/* Two by two samples of a layer. */
+static inline quad load_square(const void *texels, ptrdiff_t stride) {
+    uint64_t rows[2];
+    memcpy(&rows[0], texels, sizeof rows[0]);
+    memcpy(&rows[1], (const float *)texels + stride, sizeof rows[1]);
+    return (quad)(bits_pair){rows[0], rows[1]};
+}
+
+static inline void store_square(void *texels, ptrdiff_t stride, quad square) {
+    const bits_pair rows = (bits_pair)square;
+    memcpy(texels, &rows, sizeof rows[0]);
+    memcpy((float *)texels + stride, (const uint64_t *)&rows + 1, sizeof rows[1]);
+}
+
+static inline quad pick(quad mask, quad yes, quad no) {
+    return (mask & yes) | (~mask & no);
+}
+
+static inline __attribute__((always_inline)) void draw_tiny(const shb_tile *tile, int layers,
+                                                            const chunk_boxes *boxes,
+                                                            const tiny_samples *samples, int t,
+                                                            uint32_t id) {
+    const ptrdiff_t stride = tile->stride;
+    const ptrdiff_t at = (boxes->y[t] - tile->y0) * stride + boxes->x[t] - tile->x0;
+    const quad z = load_square(samples->depth[t], 2);
+    const quad nearest = load_square(tile->depth + at, stride);
+    const quad closer = (quad_floats)z < (quad_floats)nearest;
+    store_square(tile->depth + at, stride, pick(closer, z, nearest));
+    if (layers & LAYER_IDS) {
+        const quad own = (int32_t)id - (quad){0}, old = load_square(tile->ids + at, stride);
+        const quad equal = (quad_floats)z == (quad_floats)nearest;
+        store_square(tile->ids + at, stride, pick(closer | (equal & (own < old)), own, old));
+    }
+    if (layers & LAYER_SECOND) {
+        const quad second = load_square(tile->second + at, stride);
+        const quad loser = pick((quad_floats)z > (quad_floats)nearest, z, nearest);
+        const quad next = (quad_floats)loser < (quad_floats)second;
+        store_square(tile->second + at, stride, pick(next, loser, second));
     }
 }
 
@@ -87,17 +130,6 @@ static inline __attribute__((always_inline)) void merge_sample(const shb_tile *t
         tile->second[at] = MIN(loser, tile->second[at]);
     }
     tile->depth[at] = MIN(z, nearest);
-}
-
-static inline __attribute__((always_inline)) void draw_tiny(const shb_tile *tile, int layers,
-                                                            const chunk_boxes *boxes,
-                                                            const tiny_samples *samples, int t,
-                                                            uint32_t id) {
-    const ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + boxes->x[t] - tile->x0;
-    merge_sample(tile, layers, at, samples->depth[0][t], id);
-    merge_sample(tile, layers, at + 1, samples->depth[1][t], id);
-    merge_sample(tile, layers, at + tile->stride, samples->depth[2][t], id);
-    merge_sample(tile, layers, at + tile->stride + 1, samples->depth[3][t], id);
 }
 
 /* The only sample of a triangle that covers it. */
