@@ -22,7 +22,8 @@ static inline uint32_t shb_edges_before(const shb_walk_triangle *t, const double
         (uint32_t)(side_0 < 0) | (uint32_t)(side_1 > 0) << 1 | (uint32_t)(side_2 < 0) << 2;
     const uint32_t left =
         (uint32_t)(side_0 > 0) | (uint32_t)(side_1 < 0) << 1 | (uint32_t)(side_2 > 0) << 2;
-    return area > 0 ? right : area < 0 ? left : 7;
+    const uint32_t is_left = -(uint32_t)(area < 0), has_none = -(uint32_t) !(area != 0);
+    return (right ^ ((right ^ left) & is_left)) | (7 & has_none);
 }
 
 /* How far a corner lies to one side of the way between two places, times its length. */

@@ -101,8 +101,8 @@ static surroundings surroundings_of(const shb_light_mesh *mesh, uint32_t triangl
 }
 
 static bool is_among(const surroundings *near, uint32_t triangle) {
-    return triangle == near->triangles[0] || triangle == near->triangles[1] ||
-           triangle == near->triangles[2] || triangle == near->triangles[3];
+    const uint32_t *t = near->triangles;
+    return (triangle == t[0]) | (triangle == t[1]) | (triangle == t[2]) | (triangle == t[3]);
 }
 
 /* A way that comes beside where an earlier one has met the fragment's surface leads there, too. */
@@ -144,35 +144,39 @@ static bool is_shadowed_by_planes(const asking *a) {
 }
 
 static bool sees_all(const asking *a) {
-    bool complete = true;
+    const uint32_t *s = a->samples;
+    return !((s[0] == SHB_ID_NONE) | (s[1] == SHB_ID_NONE) | (s[2] == SHB_ID_NONE) |
+             (s[3] == SHB_ID_NONE));
+}
+
+/* One bit for each sample that holds a triangle which none before it does. */
+static uint32_t first_samples(const asking *a) {
+    const uint32_t *s = a->samples;
+    const uint32_t again = (uint32_t)(s[1] == s[0]) << 1 |
+                           (uint32_t)((s[2] == s[0]) | (s[2] == s[1])) << 2 |
+                           (uint32_t)((s[3] == s[0]) | (s[3] == s[1]) | (s[3] == s[2])) << 3;
+    uint32_t held = 0;
     for (int k = 0; k < 4; k++)
-        complete &= a->samples[k] != SHB_ID_NONE;
-    return complete;
+        held |= (uint32_t)(s[k] != SHB_ID_NONE) << k;
+    return held & ~again;
 }
 
-static bool is_first(const asking *a, int k) {
-    for (int i = 0; i < k; i++)
-        if (a->samples[i] == a->samples[k])
-            return false;
-    return true;
-}
-
-/* Walks go on where ways have ended. */
+/* Walks go on where ways have ended. All of them are begun before the first goes on: what one
+ * waits for the others can use. */
 static bool walks_meet_shadow(const asking *a, int count, const sheet_way *ways) {
     const double to[2] = {a->x, a->y};
     bool are_cut = sees_all(a);
+    shb_walk walks[4];
+    for (int i = 0; i < count; i++)
+        shb_walk_begin(&a->map->occluders.mesh, ways[i].triangle, ways[i].from, to, &walks[i]);
     for (int i = 0; i < count; i++) {
-        shb_walk walk;
-        shb_walk_begin(&a->map->occluders.mesh, ways[i].triangle, ways[i].from, to, &walk);
-        if (ways[i].covers)
-            shb_walk_next(&walk);
         bool is_cut = ways[i].hit == HIT_NONE;
-        for (hit next; (next = next_hit(a, &walk)) != HIT_NONE;) {
+        for (hit next; (next = next_hit(a, &walks[i])) != HIT_NONE;) {
             if (next == HIT_IN_FRONT)
                 return true;
             is_cut = false;
         }
-        are_cut &= is_cut && walk.cut;
+        are_cut &= is_cut && walks[i].cut;
     }
     return are_cut && is_shadowed_by_planes(a);
 }
@@ -183,9 +187,8 @@ static bool is_shadowed(const asking *a) {
     bool is_plain = sees_all(a);
     sheet_way ways[4];
     int count = 0;
-    for (int k = 0; k < 4; k++) {
-        if (a->samples[k] == SHB_ID_NONE || !is_first(a, k))
-            continue;
+    for (uint32_t left = first_samples(a); left; left &= left - 1) {
+        const int k = __builtin_ctz(left);
         sheet_way *way = &ways[count++];
         place_sample(a, k, way->from);
         way->triangle = a->samples[k];

@@ -15,27 +15,14 @@ static void set_way(shb_walk *walk, double from_x, double from_y) {
     walk->farthest = reach;
 }
 
-static shb_walk_end end_at(const shb_walk *walk, const shb_walk_triangle *triangle,
-                           uint32_t corner) {
-    const double x = triangle->x[corner] - walk->to[0], y = triangle->y[corner] - walk->to[1];
-    return (shb_walk_end){walk->way[0] * y - walk->way[1] * x, walk->way[0] * x + walk->way[1] * y};
+static double across_at(const shb_walk *walk, const shb_walk_triangle *t, uint32_t corner) {
+    return walk->way[0] * (t->y[corner] - walk->to[1]) -
+           walk->way[1] * (t->x[corner] - walk->to[0]);
 }
 
-static double crossing_of(const shb_walk_end ends[2]) {
-    return ends[1].across * ends[0].along - ends[0].across * ends[1].along;
-}
-
-static double extent_of(const shb_walk_end ends[2]) {
-    return ends[1].across - ends[0].across;
-}
-
-static void leave_by(shb_walk *walk, uint32_t edge, const shb_walk_end corners[3]) {
-    const shb_walk_end lower = corners[shb_ends_of_edges[0][edge]];
-    walk->lower = (uint32_t) !(lower.across < 0);
-    walk->ends[walk->lower] = lower;
-    walk->ends[!walk->lower] = corners[shb_ends_of_edges[1][edge]];
-    walk->crossing = crossing_of(walk->ends);
-    walk->beyond = walk->mesh->triangles[walk->triangle].beyond[edge];
+static double along_at(const shb_walk *walk, const shb_walk_triangle *t, uint32_t corner) {
+    return walk->way[0] * (t->x[corner] - walk->to[0]) +
+           walk->way[1] * (t->y[corner] - walk->to[1]);
 }
 
 /* Of the two edges of the first triangle that the line crosses, which meet in the corner that lies
@@ -44,23 +31,35 @@ static void leave_by(shb_walk *walk, uint32_t edge, const shb_walk_end corners[3
 static bool choose_exit(shb_walk *walk) {
     static const uint8_t alone_of[8] = {3, 0, 1, 2, 2, 1, 0, 3};
     const shb_walk_triangle *triangle = &walk->mesh->triangles[walk->triangle];
-    shb_walk_end corners[3];
+    double across[3], along[3];
     uint32_t left = 0;
     for (uint32_t k = 0; k < 3; k++) {
-        corners[k] = end_at(walk, triangle, k);
-        left |= (uint32_t)(corners[k].across < 0) << k;
+        across[k] = across_at(walk, triangle, k);
+        along[k] = along_at(walk, triangle, k);
+        left |= (uint32_t)(across[k] < 0) << k;
     }
     const uint32_t alone = alone_of[left];
     if (alone == 3)
         return false;
-    const uint32_t one = shb_ends_of_edges[0][alone], other = shb_ends_of_edges[1][alone];
-    leave_by(walk, one, corners);
-    const double crossing = walk->crossing, extent = extent_of(walk->ends);
-    leave_by(walk, other, corners);
-    const bool is_farther = walk->crossing * extent > crossing * extent_of(walk->ends);
-    const bool is_before = crossing > 0 && walk->crossing > 0;
-    if (is_farther == is_before)
-        leave_by(walk, one, corners);
+    const uint32_t edges[2] = {shb_ends_of_edges[0][alone], shb_ends_of_edges[1][alone]};
+    const double side = across[alone] < 0 ? 1 : -1;
+    double crossings[2], extents[2];
+    for (int k = 0; k < 2; k++) {
+        const uint32_t end = edges[!k];
+        crossings[k] = side * (across[end] * along[alone] - across[alone] * along[end]);
+        extents[k] = side * (across[end] - across[alone]);
+    }
+    const bool is_farther = crossings[1] * extents[0] > crossings[0] * extents[1];
+    const bool is_before = (crossings[0] > 0) & (crossings[1] > 0);
+    const uint32_t number = is_farther != is_before, edge = edges[number], end = edges[!number];
+    const uint32_t on_left = left >> alone & 1 ? alone : end, on_right = alone + end - on_left;
+    walk->across[0] = across[on_left];
+    walk->across[1] = across[on_right];
+    walk->along[0] = along[on_left];
+    walk->along[1] = along[on_right];
+    walk->crossing = crossings[number];
+    walk->lower = on_left > on_right;
+    walk->beyond = triangle->beyond[edge];
     return true;
 }
 
@@ -70,26 +69,29 @@ static uint32_t stop(shb_walk *walk, bool cut) {
     return SHB_ID_NONE;
 }
 
-/* The first triangle. Where snapping covered a sample just outside of it, its middle is a better
- * start. */
-static uint32_t enter(shb_walk *walk) {
+/* Where snapping covered a sample just outside the triangle, its middle is a better start. */
+static void enter(shb_walk *walk) {
     const shb_walk_triangle *t = &walk->mesh->triangles[walk->triangle];
     const uint32_t whole = 7 * SHB_CORNER_SEEN;
-    if ((t->marks & whole) != whole)
-        return stop(walk, true);
-    walk->steps = 1;
-    if (!choose_exit(walk)) {
+    bool goes = (t->marks & whole) == whole;
+    if (goes && !choose_exit(walk)) {
         set_way(walk, ((t->x[0] + t->x[1]) + t->x[2]) / 3, ((t->y[0] + t->y[1]) + t->y[2]) / 3);
-        if (!choose_exit(walk))
-            return stop(walk, true);
+        goes = choose_exit(walk);
     }
-    return shb_edges_before(t, walk->to) == 0 ? walk->triangle : shb_walk_next(walk);
+    if (!goes)
+        stop(walk, true);
 }
 
 void shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
                     const double to[2], shb_walk *walk) {
-    *walk = (shb_walk){.mesh = mesh, .to = {to[0], to[1]}, .first = triangle, .triangle = triangle};
+    walk->mesh = mesh;
+    walk->to[0] = to[0];
+    walk->to[1] = to[1];
+    walk->first = walk->triangle = triangle;
+    walk->steps = 1;
+    walk->cut = false;
     set_way(walk, from[0], from[1]);
+    enter(walk);
 }
 
 /* Over the exit to the next triangle, whose own exit is found: its third corner takes the place of
@@ -98,13 +100,12 @@ void shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double 
 uint32_t shb_walk_next(shb_walk *walk) {
     if (walk->triangle == SHB_ID_NONE)
         return SHB_ID_NONE;
-    if (walk->steps == 0)
-        return enter(walk);
     uint32_t beyond = walk->beyond, lower = walk->lower, id;
     double before, crossing = walk->crossing;
-    shb_walk_end ends[2] = {walk->ends[0], walk->ends[1]};
+    double across[2] = {walk->across[0], walk->across[1]};
+    double along[2] = {walk->along[0], walk->along[1]};
     do {
-        const double extent = extent_of(ends);
+        const double extent = across[1] - across[0];
         id = shb_neighbour_of(beyond);
         if (beyond >= SHB_TWIN || walk->steps++ == SHB_WALK_MAX)
             return stop(walk, true);
@@ -115,20 +116,23 @@ uint32_t shb_walk_next(shb_walk *walk) {
         const shb_walk_triangle *triangle = &walk->mesh->triangles[id];
         if (!(triangle->marks & SHB_CORNER_SEEN << third))
             return stop(walk, true);
-        const shb_walk_end end = end_at(walk, triangle, third);
-        const uint32_t side = (uint32_t) !(end.across < 0), keeps_lower = lower ^ side;
+        const double aside = across_at(walk, triangle, third);
+        const uint32_t side = (uint32_t) !(aside < 0), keeps_lower = lower ^ side;
         const uint32_t rises = third + keeps_lower >= 2; /* from the kept end to the third corner */
-        ends[side] = end;
+        across[side] = aside;
+        along[side] = along_at(walk, triangle, third);
         lower = side ^ rises;
         beyond = triangle->beyond[shb_ends_of_edges[keeps_lower][third]];
         before = crossing;
-        crossing = crossing_of(ends);
+        crossing = across[1] * along[0] - across[0] * along[1];
     } while (!(((before <= 0) & (crossing >= 0)) | ((before >= 0) & (crossing <= 0))));
     walk->triangle = id;
     walk->beyond = beyond;
     walk->lower = lower;
     walk->crossing = crossing;
-    walk->ends[0] = ends[0];
-    walk->ends[1] = ends[1];
+    walk->across[0] = across[0];
+    walk->across[1] = across[1];
+    walk->along[0] = along[0];
+    walk->along[1] = along[1];
     return id;
 }

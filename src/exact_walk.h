@@ -15,20 +15,17 @@
 #define SHB_WALK_MAX 256
 #define SHB_WALK_REACH 2.0
 
-/* How far a vertex lies across the line, negative on the left, and along it beyond the place that
- * the walk leads to; both times the line's length. */
-typedef struct shb_walk_end {
-    double across, along;
-} shb_walk_end;
-
 typedef struct shb_walk {
     const shb_light_mesh *mesh;
     double to[2], way[2];     /* texels; the way leads from the first place to the other */
     double nearest, farthest; /* along the line: what lies farther off does not come back */
     uint32_t first, triangle; /* the latest; SHB_ID_NONE: the walk has ended */
-    shb_walk_end ends[2];     /* of the edge that it leaves by, on the left and on the right */
-    uint32_t lower;           /* which of them is the lower vertex */
-    uint32_t beyond;          /* the neighbour there */
+    /* The ends, on the left and on the right, of the edge that it leaves by: how far they lie
+     * across the line, negative on the left, and along it beyond to; both times the line's length.
+     */
+    double across[2], along[2];
+    uint32_t lower;  /* which of them is the lower vertex */
+    uint32_t beyond; /* the neighbour there */
     double
         crossing; /* where the line crosses that edge, along it, times the edge's extent across */
     int steps;
@@ -36,12 +33,11 @@ typedef struct shb_walk {
                  long */
 } shb_walk;
 
-/* Begins a walk from a triangle that is seen at from, or nearly so, in the direction of to. */
+/* Begins a walk from a triangle that the line from one place to another crosses, or nearly so. */
 void shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
                     const double to[2], shb_walk *walk);
 
-/* Goes on to the next triangle that covers to, the first one included; SHB_ID_NONE: there is none
- * before the end. */
+/* Goes on to the next triangle that covers to; SHB_ID_NONE: there is none before the end. */
 uint32_t shb_walk_next(shb_walk *walk);
 
 #endif

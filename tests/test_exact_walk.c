@@ -81,6 +81,12 @@ static shb_walk walk_of(const ribbon *r, int segment, double from_x, double to_x
     return walk;
 }
 
+/* The first triangle that a walk meets, its own first one included. */
+static uint32_t first_of(shb_walk *walk) {
+    const bool covers = shb_edges_before(&walk->mesh->triangles[walk->first], walk->to) == 0;
+    return covers ? walk->first : shb_walk_next(walk);
+}
+
 /* The end of the way over the sheet. */
 static uint32_t straight(const ribbon *r, int segment, double from_x, double to_x, double y) {
     const line l = line_of(from_x, to_x, y);
@@ -104,7 +110,7 @@ TEST(walks_arrive_at_the_triangle_that_covers_the_place) {
             const uint32_t expected = triangle_at(&r, last, to, y);
             CHECK_INT(straight(&r, first, from, to, y), expected);
             shb_walk walk = walk_of(&r, first, from, to, y);
-            CHECK_INT(shb_walk_next(&walk), expected);
+            CHECK_INT(first_of(&walk), expected);
         }
         ribbon_free(&r);
     }
@@ -116,7 +122,7 @@ static const profile_point folded[] = {{-0.6f, 0.5f}, {0.5f, 0.6f}, {-0.6f, 0.2f
 TEST(walks_go_on_below_a_fold) {
     ribbon r = ribbon_of(3, folded, 0);
     shb_walk walk = walk_of(&r, 0, 0.3, 0.45, 0.1);
-    CHECK_INT(shb_walk_next(&walk), triangle_at(&r, 0, 0.45, 0.1));
+    CHECK_INT(first_of(&walk), triangle_at(&r, 0, 0.45, 0.1));
     CHECK_INT(shb_walk_next(&walk), triangle_at(&r, 1, 0.45, 0.1));
     ribbon_free(&r);
 }
@@ -170,14 +176,12 @@ TEST(walks_come_round_once) {
     for (uint32_t first = 0; first < 12; first++) {
         shb_walk walk;
         shb_walk_begin(mesh, first, l.from, l.to, &walk);
-        int met = 0;
+        const bool covers = shb_edges_before(&mesh->triangles[first], l.to) == 0;
+        int met = covers;
         for (uint32_t id; (id = shb_walk_next(&walk)) != SHB_ID_NONE; met++)
             CHECK_INT(shb_edges_before(&mesh->triangles[id], l.to), 0);
         CHECK(!walk.cut);
-        CHECK(met <= 2);
-        bool covers;
-        shb_sheet_next(mesh, first, l.from, l.to, &covers);
-        CHECK(!covers || met == 2);
+        CHECK(covers ? met == 2 : met <= 2);
     }
     ribbon_free(&r);
 }

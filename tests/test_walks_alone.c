@@ -52,7 +52,7 @@ static told ask_sample(const shb_map *map, const shb_light_point *at, uint32_t s
         t.walk_is_in_front |= hit == ALONE_IN_FRONT;
         t.is_uncertain |= hit == ALONE_UNSURE;
     }
-    t.is_cut = count == 0 && walk.cut;
+    t.is_cut = end == SHB_ID_NONE && count == 0 && walk.cut;
     return t;
 }
 
