@@ -34,6 +34,7 @@ typedef struct asking {
     double by_position[3]; /* the bounds of light_point.h: of the point's own rounding, */
     double error_x, error_y, error_z; /* and of calculation */
     uint32_t samples[4];              /* triangles; that of the fragment's own texel first */
+    hit nearest;                      /* what is known of the first one where it covers the place */
 } asking;
 
 /* The vectors C - slope_x A - slope_y B of (1) have Tz - slope_x Tx - slope_y Ty - (Z - slope_x X -
@@ -192,9 +193,10 @@ static bool is_shadowed(const asking *a) {
         sheet_way *way = &ways[count++];
         place_sample(a, k, way->from);
         way->triangle = a->samples[k];
-        way->covers = false;
-        way->hit = HIT_NONE;
-        go(a, &near, way);
+        way->hit = k == 0 ? a->nearest : HIT_NONE;
+        way->covers = way->hit != HIT_NONE;
+        if (!way->covers)
+            go(a, &near, way);
         if (way->hit == HIT_IN_FRONT)
             return true;
         if (way->hit == HIT_OWN && way->covers)
@@ -216,19 +218,19 @@ static void ask_about(const shb_walk_group *g, size_t i, asking *a) {
     a->error_z = g->error_z[i];
     for (int k = 0; k < 3; k++)
         a->by_position[k] = g->by_position[i] * fabs(g->at.world[k][i]);
+    a->nearest = g->own >> i & 1 ? HIT_OWN : g->behind >> i & 1 ? HIT_BEHIND : HIT_NONE;
     for (size_t k = 0; k < 4; k++)
-        a->samples[k] = g->samples[i][g->nearest[i] ^ k];
+        a->samples[k] = g->samples[g->nearest[i] ^ k][i];
 }
 
 /* The answers for fragments of a group that its nearest samples tell; returns the others, one bit
  * each. */
 static uint64_t settle(const shb_walk_group *g, float *visibility) {
-    uint64_t inside = 0;
-    for (size_t i = 0; i < g->count; i++) {
-        visibility[i] = g->in_front >> i & 1 ? 0.0f : 1.0f;
-        inside |= (uint64_t)(g->at.column[i] >= 0) << i;
-    }
-    return inside & ~g->in_front & ~(g->own & g->joined);
+    for (size_t i = 0; i < g->count; i++)
+        visibility[i] = 1;
+    for (uint64_t dark = g->in_front; dark; dark &= dark - 1)
+        visibility[__builtin_ctzll(dark)] = 0;
+    return g->inside & ~g->in_front & ~(g->own & g->joined);
 }
 
 void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,

@@ -15,11 +15,13 @@ typedef struct shb_walk_group {
      * of calculation. */
     SHB_ALIGN double by_position[SHB_LIST_GROUP];
     double error_x[SHB_LIST_GROUP], error_y[SHB_LIST_GROUP], error_z[SHB_LIST_GROUP];
-    uint32_t samples[SHB_LIST_GROUP][4]; /* triangles */
-    uint8_t nearest[SHB_LIST_GROUP];     /* number of the sample of the point's own texel */
-    /* One bit a point: the nearest sample's triangle covers its place and lies in front of it; or
-     * is its own surface; all samples hold that triangle, or others that go on beyond its edges. */
-    uint64_t in_front, own, joined;
+    uint32_t samples[4][SHB_LIST_GROUP];               /* triangles */
+    int32_t left[SHB_LIST_GROUP], top[SHB_LIST_GROUP]; /* texel of the first sample */
+    uint8_t nearest[SHB_LIST_GROUP]; /* number of the sample of the point's own texel */
+    /* One bit a point. The nearest sample's triangle covers its place, and lies in front of it, is
+     * its own surface, or lies behind it; all samples hold that triangle, or others that go on
+     * beyond its edges; the point is one of the group's and lies inside the map. */
+    uint64_t in_front, own, behind, joined, inside;
 } shb_walk_group;
 
 /* One batch; receivers holds its positions and normals. */

@@ -33,44 +33,25 @@ static inline ALWAYS_INLINE void bound_errors(const shb_map *map, bool affine, d
     }
 }
 
-static NEVER_INLINE void read_samples_at_border(const shb_map *map, int32_t left, int32_t top,
-                                                uint32_t samples[4]) {
+static NEVER_INLINE void read_samples_at_border(const shb_map *map, shb_walk_group *g, size_t i) {
     for (int k = 0; k < 4; k++) {
-        const int32_t column = left + (k & 1), row = top + (k >> 1);
+        const int32_t column = g->left[i] + (k & 1), row = g->top[i] + (k >> 1);
         const bool inside = (uint32_t)column < map->info.width && (uint32_t)row < map->info.height;
-        samples[k] = inside ? shb_occluder_row(map, row)[column] : SHB_ID_NONE;
+        g->samples[k][i] = inside ? shb_occluder_row(map, row)[column] : SHB_ID_NONE;
     }
 }
 
 /* Texels and triangles come from all over the memory: they are asked for before any is read. */
-static inline ALWAYS_INLINE void fetch_samples(const shb_map *map, const shb_walk_group *g) {
-    for (size_t i = 0; i < g->count; i++) {
-        const int32_t column = g->at.column[i] > 0 ? g->at.column[i] - 1 : 0;
-        const int32_t row = g->at.row[i] > 0 ? g->at.row[i] - 1 : 0;
-        __builtin_prefetch(shb_occluder_row(map, row) + column);
-        __builtin_prefetch(shb_occluder_row(map, g->at.row[i]) + column);
+static inline ALWAYS_INLINE void fetch_samples(const shb_map *map, shb_walk_group *g) {
+    for (size_t i = 0; i < SHB_LIST_GROUP; i++) {
+        g->left[i] = g->at.column[i] - (g->at.x[i] - g->at.column[i] < 0.5);
+        g->top[i] = g->at.row[i] - (g->at.y[i] - g->at.row[i] < 0.5);
     }
-}
-
-static inline ALWAYS_INLINE void read_samples(const shb_map *map, shb_walk_group *g) {
-    const uint32_t last_column = map->info.width - 1, last_row = map->info.height - 1;
-    for (size_t i = 0; i < shb_round_to_lanes(g->count); i++) {
-        const int32_t column = g->at.column[i], row = g->at.row[i];
-        const int32_t left = column - (g->at.x[i] - column < 0.5);
-        const int32_t top = row - (g->at.y[i] - row < 0.5);
-        uint32_t *samples = g->samples[i];
-        if ((uint32_t)left < last_column && (uint32_t)top < last_row) {
-            memcpy(samples, shb_occluder_row(map, top) + left, 2 * sizeof *samples);
-            memcpy(samples + 2, shb_occluder_row(map, top + 1) + left, 2 * sizeof *samples);
-        } else {
-            read_samples_at_border(map, left, top, samples);
-        }
-        g->nearest[i] = (uint8_t)((column - left) + 2 * (row - top));
-        const uint32_t id = samples[g->nearest[i]];
-        if (id != SHB_ID_NONE) {
-            __builtin_prefetch(&map->occluders.mesh.triangles[id]);
-            __builtin_prefetch(&map->occluders.planes[id]);
-        }
+    for (size_t i = 0; i < g->count; i++) {
+        const int32_t column = g->left[i] > 0 ? g->left[i] : 0, row = g->top[i] > 0 ? g->top[i] : 0;
+        const uint32_t *texel = shb_occluder_row(map, row) + column;
+        __builtin_prefetch(texel);
+        __builtin_prefetch((const char *)texel + map->occluders.stride);
     }
 }
 
@@ -80,45 +61,87 @@ typedef struct nearest_lanes {
     double y[3][SHB_LIST_GROUP];
     double z[SHB_LIST_GROUP], slope_x[SHB_LIST_GROUP], slope_y[SHB_LIST_GROUP];
     double error[SHB_LIST_GROUP];
+    uint32_t ids[SHB_LIST_GROUP], marks[SHB_LIST_GROUP], beyond[3][SHB_LIST_GROUP];
     uint64_t whole; /* one bit each: there is one that is seen as a whole */
     uint64_t named; /* it is known to be the point's own */
 } nearest_lanes;
 
-/* Are all samples one triangle, or go on beyond its edges? */
-static inline ALWAYS_INLINE bool are_joined(const shb_walk_triangle *t, uint32_t id,
-                                            const uint32_t samples[4]) {
-    uint32_t joined[3], strange = 0;
-    if (((samples[0] ^ samples[1]) | (samples[0] ^ samples[2]) | (samples[0] ^ samples[3])) == 0)
-        return true;
-    for (uint32_t k = 0; k < 3; k++)
-        joined[k] = t->marks & SHB_EDGE_JOINED << k ? shb_neighbour_of(t->beyond[k]) : id;
-    for (int k = 0; k < 4; k++)
-        strange |= (samples[k] != id) & (samples[k] != joined[0]) & (samples[k] != joined[1]) &
-                   (samples[k] != joined[2]);
-    return !strange;
+static inline ALWAYS_INLINE void read_samples(const shb_map *map, shb_walk_group *g,
+                                              nearest_lanes *lanes) {
+    const uint32_t last_column = map->info.width - 1, last_row = map->info.height - 1;
+    const size_t stride = map->occluders.stride / sizeof(uint32_t);
+    for (size_t i = 0; i < shb_round_to_lanes(g->count); i++) {
+        const int32_t left = g->left[i], top = g->top[i];
+        if ((uint32_t)left < last_column && (uint32_t)top < last_row) {
+            const uint32_t *texel = shb_occluder_row(map, top) + left;
+            g->samples[0][i] = texel[0];
+            g->samples[1][i] = texel[1];
+            g->samples[2][i] = texel[stride];
+            g->samples[3][i] = texel[stride + 1];
+        } else {
+            read_samples_at_border(map, g, i);
+        }
+        g->nearest[i] = (uint8_t)((g->at.column[i] - left) + 2 * (g->at.row[i] - top));
+        const uint32_t id = g->samples[g->nearest[i]][i];
+        lanes->ids[i] = id;
+        if (id != SHB_ID_NONE) {
+            __builtin_prefetch(&map->occluders.mesh.triangles[id]);
+            __builtin_prefetch(&map->occluders.planes[id]);
+        }
+    }
 }
 
-static inline ALWAYS_INLINE void read_triangles(const shb_map *map, shb_walk_group *g,
+static inline ALWAYS_INLINE void read_triangles(const shb_map *map, const shb_walk_group *g,
                                                 nearest_lanes *lanes) {
-    const uint32_t seen = 7 * SHB_CORNER_SEEN;
-    lanes->whole = lanes->named = g->joined = 0;
     for (size_t i = 0; i < shb_round_to_lanes(g->count); i++) {
-        const uint32_t id = g->samples[i][g->nearest[i]], read = id == SHB_ID_NONE ? 0 : id;
-        const shb_walk_triangle *t = &map->occluders.mesh.triangles[read];
-        const shb_occluder_plane *plane = &map->occluders.planes[read];
+        const uint32_t id = lanes->ids[i] == SHB_ID_NONE ? 0 : lanes->ids[i];
+        const shb_walk_triangle *t = &map->occluders.mesh.triangles[id];
+        const shb_occluder_plane *plane = &map->occluders.planes[id];
         for (int k = 0; k < 3; k++) {
             lanes->x[k][i] = t->x[k];
             lanes->y[k][i] = t->y[k];
+            lanes->beyond[k][i] = t->beyond[k];
         }
+        lanes->marks[i] = t->marks;
         lanes->z[i] = plane->z;
         lanes->slope_x[i] = plane->slope_x;
         lanes->slope_y[i] = plane->slope_y;
         lanes->error[i] = plane->error;
-        lanes->whole |=
-            (uint64_t)((g->at.column[i] >= 0) & (id == read) & ((t->marks & seen) == seen)) << i;
-        g->joined |= (uint64_t)are_joined(t, id, g->samples[i]) << i;
-        lanes->named |= (uint64_t)(id == g->own_ids[i]) << i;
     }
+}
+
+/* Of WIDE points those whose samples are all the same triangle, or go on beyond its edges. */
+static inline ALWAYS_INLINE vi joined_mask(const shb_walk_group *g, const nearest_lanes *lanes,
+                                           size_t i) {
+    const vu ids = vu_load(lanes->ids + i), marks = vu_load(lanes->marks + i);
+    vu joined[3];
+    vi strange = {0};
+    for (uint32_t k = 0; k < 3; k++) {
+        const vu ends = (vu)((marks & SHB_EDGE_JOINED << k) == 0);
+        joined[k] = ((vu_load(lanes->beyond[k] + i) >> 3) & ~ends) | (ids & ends);
+    }
+    for (int k = 0; k < 4; k++) {
+        const vu sample = vu_load(g->samples[k] + i);
+        strange |=
+            (sample != ids) & (sample != joined[0]) & (sample != joined[1]) & (sample != joined[2]);
+    }
+    return ~strange;
+}
+
+static inline ALWAYS_INLINE void judge_triangles(shb_walk_group *g, nearest_lanes *lanes) {
+    const uint32_t seen = 7 * SHB_CORNER_SEEN;
+    lanes->whole = lanes->named = g->joined = g->inside = 0;
+    for (size_t i = 0; i < shb_round_to_lanes(g->count); i += WIDE) {
+        const vu ids = vu_load(lanes->ids + i), marks = vu_load(lanes->marks + i);
+        const vi inside = vi_load(g->at.column + i) >= 0;
+        const vi whole = inside & ((marks & seen) == seen) & (ids != SHB_ID_NONE);
+        g->inside |= (uint64_t)vi_bits(inside) << i;
+        lanes->whole |= (uint64_t)vi_bits(whole) << i;
+        lanes->named |= (uint64_t)vi_bits(ids == vu_load(g->own_ids + i)) << i;
+        g->joined |= (uint64_t)vi_bits(joined_mask(g, lanes, i)) << i;
+    }
+    g->inside &= UINT64_MAX >> (SHB_LIST_GROUP - g->count);
+    lanes->whole &= g->inside;
 }
 
 /* Positive on the left of the way from a to b. */
@@ -180,6 +203,7 @@ static inline ALWAYS_INLINE void compare_nearest(const shb_map *map, bool affine
     covered &= lanes->whole;
     known &= ~lanes->named;
     g->in_front = covered & known & in_front;
+    g->behind = covered & known & behind;
     g->own = covered & (lanes->named | (known & ~in_front & ~behind));
 }
 
@@ -188,8 +212,9 @@ static inline ALWAYS_INLINE void ask_nearest_as(const shb_map *map, bool affine,
     nearest_lanes lanes;
     fetch_samples(map, g);
     bound_errors(map, affine, rounding, g);
-    read_samples(map, g);
+    read_samples(map, g, &lanes);
     read_triangles(map, g, &lanes);
+    judge_triangles(g, &lanes);
     compare_nearest(map, affine, &lanes, g);
 }
 

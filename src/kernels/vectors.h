@@ -30,6 +30,11 @@ static inline vi vi_load(const int32_t *p) {
     memcpy(&v, p, sizeof v);
     return v;
 }
+static inline vu vu_load(const uint32_t *p) {
+    vu v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
 static inline void vf_store(float *p, vf v) {
     memcpy(p, &v, sizeof v);
 }
