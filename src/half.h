@@ -9,6 +9,8 @@
 #define SHB_HALF_RELATIVE 0x1p-11
 #define SHB_HALF_ABSOLUTE 0x1p-25
 
+#define SHB_HALF_INFINITY 0x7c00u
+
 /* Rounds to nearest, ties to even; NaN becomes infinity. Adding 1.5 * 2^52 leaves no bit for a
  * fraction. */
 static inline uint16_t shb_half_of(double value) {
@@ -17,7 +19,7 @@ static inline uint16_t shb_half_of(double value) {
     memcpy(&bits, &value, sizeof bits);
     const uint16_t sign = (uint16_t)(bits >> 63 << 15);
     if (!(size < 65520.0))
-        return (uint16_t)(sign | 0x7c00);
+        return (uint16_t)(sign | SHB_HALF_INFINITY);
     if (size < 0x1p-14) {
         const double steps = (size * 0x1p24 + 0x1.8p52) - 0x1.8p52;
         return (uint16_t)(sign | (uint16_t)steps);
@@ -36,7 +38,7 @@ static inline float shb_half_to_float(uint16_t half) {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
     bits |= (uint32_t)(half & 0x8000) << 16;
-    bits |= magnitude >= 0x7c00u << 13 ? 0x7f800000u : 0;
+    bits |= magnitude >= SHB_HALF_INFINITY << 13 ? 0x7f800000u : 0;
     memcpy(&value, &bits, sizeof value);
     return value;
 }

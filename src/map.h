@@ -73,11 +73,12 @@ enum {
 
 /* What a map keeps of its occluders. */
 typedef struct shb_occluder_data {
-    bool held;         /* by the latest drawing */
-    uint32_t *texels;  /* two halves: slopes in x (low) and y over slope_unit; or a triangle's id */
-    size_t stride;     /* bytes */
-    double slope_unit; /* a power of two */
-    size_t plane_count;         /* triangles of the scene */
+    bool held;          /* by the latest drawing */
+    uint32_t *texels;   /* two halves: slopes in x (low) and y over slope_unit, both infinite or
+                           none; or a triangle's id */
+    size_t stride;      /* bytes */
+    double slope_unit;  /* a power of two, at most 1 */
+    size_t plane_count; /* triangles of the scene */
     shb_occluder_plane *planes; /* in kept, as what mesh points to */
     shb_buffer kept[SHB_OCCLUDER_KEPT];
     shb_topology topology; /* of the latest scene, kept for the next drawing */

@@ -128,12 +128,20 @@ static void find_runs(const texel_job *job, uint32_t first, uint32_t end, band *
     }
 }
 
+/* Two halves over the map's unit; both are infinite where one is. */
+static uint32_t pack_slopes(const shb_occluder_plane *plane, double scale) {
+    const uint32_t x = shb_half_of(plane->slope_x * scale);
+    const uint32_t y = shb_half_of(plane->slope_y * scale);
+    const bool infinite = (x & SHB_HALF_INFINITY) == SHB_HALF_INFINITY ||
+                          (y & SHB_HALF_INFINITY) == SHB_HALF_INFINITY;
+    return infinite ? SHB_HALF_INFINITY | SHB_HALF_INFINITY << 16 : x | y << 16;
+}
+
 static void find_planes(const texel_job *job, band *b) {
     const double scale = 1 / job->map->occluders.slope_unit;
     shb_occluder_planes_find(job->map, &job->scratch->placed, b->ids, 0, b->count, b->planes);
     for (size_t i = 0; i < b->count; i++)
-        b->slopes[i] = (uint32_t)shb_half_of(b->planes[i].slope_x * scale) |
-                       (uint32_t)shb_half_of(b->planes[i].slope_y * scale) << 16;
+        b->slopes[i] = pack_slopes(&b->planes[i], scale);
 }
 
 static void write_texels(const texel_job *job, uint32_t first, uint32_t end, const band *b) {

@@ -27,14 +27,15 @@ static double diagonal_slope(const shb_map *map) {
 }
 
 /* 45 degrees become 4 .. 8 at the near plane: infinity begins at 89.98 degrees there, and a map
- * that is a thousand times deeper still has more than 2^-12 of them. */
+ * that is a thousand times deeper still has more than 2^-12 of them. At most 1, a whole map's
+ * depth. */
 static double choose_slope_unit(const shb_map *map) {
     const double slope = diagonal_slope(map);
     if (!(slope > 0x1p-500 && slope < 0x1p500))
         return 1;
     int exponent;
     frexp(slope, &exponent);
-    return ldexp(1, exponent - 3);
+    return ldexp(1, exponent < 3 ? exponent - 3 : 0);
 }
 
 bool shb_occluders_create(shb_map *map) {

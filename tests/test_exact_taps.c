@@ -189,6 +189,106 @@ TEST(exact_taps_by_triangles_agree_with_the_scalar_test) {
     check_against_scalar(true, false, SHB_OCCLUDERS_TRIANGLES);
 }
 
+/* ---- in every format, before steep planes ---- */
+
+static asked_map draw_as(shb_format format, shb_view view, uint32_t size, soup *s) {
+    asked_map made;
+    const shb_context_desc desc = {.threads = 1};
+    const shb_map_desc map = {
+        .view = view, .width = size, .format = format, .occluders = SHB_OCCLUDERS_PLANES};
+    const shb_bias exact = shb_bias_exact();
+    CHECK_INT(shb_context_create(&desc, &made.context), SHB_OK);
+    CHECK_INT(shb_map_create(made.context, &map, &made.map), SHB_OK);
+    CHECK_INT(shb_map_draw(made.map, soup_scene(s), &exact, NULL), SHB_OK);
+    return made;
+}
+
+/* A plane of 88.5 degrees, and many of so much that halves do not hold their slopes. */
+static void add_steep(soup *s) {
+    soup_add_quad(s, (float[]){-0.9f, -0.9f, -0.8f}, (float[]){-0.86f, -0.9f, 0.8f},
+                  (float[]){-0.86f, 0.9f, 0.8f}, (float[]){-0.9f, 0.9f, -0.8f});
+    for (int i = 0; i < 60; i++) {
+        const float x = -0.8f + 0.0151f * (float)i, wide = x + 0.0001f;
+        soup_add_quad(s, (float[]){x, -0.7f, -0.9f}, (float[]){wide, -0.7f, 0.9f},
+                      (float[]){wide + 0.6f, 0.9f, 0.9f}, (float[]){x + 0.6f, 0.9f, -0.9f});
+    }
+}
+
+/* How much of the texel at this place a side of length n - 1 around the middle covers. */
+static double covered_side(double middle, int texel, int n) {
+    const double half = (n - 1) / 2.0;
+    return fmax(fmin(middle + half, texel + 1.0) - fmax(middle - half, texel), 0);
+}
+
+/* What a box, or a smooth one, lets through by the scalar test. */
+static double lit_slowly(const shb_map *map, const points *given, int i, int n, bool smooth) {
+    double position[3], normal[3], lit = 0, all = 0;
+    for (int k = 0; k < 3; k++) {
+        position[k] = (double)given->positions[3 * i + k];
+        normal[k] = (double)given->normals[3 * i + k];
+    }
+    const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
+    const double x = fragment.point.x, y = fragment.point.y;
+    if (!(fragment.point.w > 0 && fabs(x) < 1e6 && fabs(y) < 1e6))
+        return 1;
+    for (int row = (int)floor(y) - n / 2; row <= (int)floor(y) + n / 2; row++)
+        for (int column = (int)floor(x) - n / 2; column <= (int)floor(x) + n / 2; column++) {
+            const double part = smooth ? covered_side(x, column, n) * covered_side(y, row, n) : 1;
+            lit += part * !is_shadowed(map, &fragment, column, row);
+            all += part;
+        }
+    return lit / all;
+}
+
+static bool has_unbounded_slopes(const shb_map *map) {
+    bool found = false;
+    for (int row = 0; row < (int)map->info.height; row++)
+        for (uint32_t column = 0; column < map->info.width; column++)
+            found |= shb_occluder_row(map, row)[column] << 17 == SHB_HALF_INFINITY << 17;
+    return found;
+}
+
+/* n: odd. */
+static void check_every_format(int n, bool smooth) {
+    soup s = {0};
+    add_scene(&s);
+    points *given = malloc(sizeof *given);
+    fill_points(&s, (uint64_t)n, given);
+    add_steep(&s);
+    for (int format = SHB_FORMAT_FLOAT32; format <= SHB_FORMAT_UNORM16; format++)
+        for (int reversed = 0; reversed < 2; reversed++) {
+            asked_map made = draw_as((shb_format)format, probe_orthographic(reversed != 0), 90, &s);
+            const shb_filter box =
+                smooth ? shb_filter_pcf_smooth((float)n, SHB_UNIT_TEXEL, SHB_TAPS_PLANE)
+                       : shb_filter_pcf((float)n, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+            float seen[POINTS];
+            int darker = 0, lighter = 0;
+            ask(&made, given, &box, seen);
+            for (int i = 0; i < POINTS; i++) {
+                const double lit = lit_slowly(made.map, given, i, n, smooth);
+                darker += (double)seen[i] < lit - 1e-5;
+                lighter += (double)seen[i] > lit + 1e-5;
+            }
+            CHECK_INT(darker, 0);
+            CHECK(lighter <= POINTS / 100);
+            CHECK(has_unbounded_slopes(made.map));
+            close_map(&made);
+        }
+    free(given);
+    soup_free(&s);
+}
+
+TEST(exact_boxes_agree_with_the_scalar_test_in_every_format) {
+    check_every_format(5, false);
+    check_every_format(11, false);
+    check_every_format(19, false);
+}
+
+TEST(smooth_exact_boxes_agree_with_the_scalar_test_in_every_format) {
+    check_every_format(3, true);
+    check_every_format(11, true);
+}
+
 /* ---- soft shadows ---- */
 
 /* What a kernel holds: taps by the parts of texels that it covers. */

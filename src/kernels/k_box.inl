@@ -69,10 +69,7 @@ static inline ALWAYS_INLINE double W(weigh_rows)(const texel_box *b, const W(box
         W(wi_store)(columns + start, count);
         shadowed += W(wi_sum)(count);
     } while ((start += LANES) < n);
-    const int32_t rows = end - first;
-    const int32_t left = rows - columns[0], right = rows - columns[n - 1];
-    const int32_t inner = n * rows - shadowed - left - right;
-    return ((1 - right_weight) * left + right_weight * right) + inner;
+    return weigh_columns(columns, shadowed, n, end - first, right_weight);
 }
 
 static inline ALWAYS_INLINE double W(weigh_box)(const box_batch *batch, size_t i,

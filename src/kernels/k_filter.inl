@@ -140,6 +140,19 @@ static inline ALWAYS_INLINE double last_weight(float to_center, int n) {
     return n % 2 == 0 && to_center < 0 ? -(double)to_center : weight;
 }
 
+/* Lit taps of some rows, those of the outer columns by their weights. columns: how many of each one
+ * are shadowed, together shadowed. */
+static inline ALWAYS_INLINE double weigh_columns(const int32_t *columns, int32_t shadowed, int n,
+                                                 int32_t rows, double right_weight) {
+    const int32_t left = rows - columns[0], right = rows - columns[n - 1];
+    const int32_t inner = n * rows - shadowed - left - right;
+    return ((1 - right_weight) * left + right_weight * right) + inner;
+}
+
+static inline ALWAYS_INLINE float weight_share(double lit, int n) {
+    return (float)(lit * (1 / ((n - 1.0) * (n - 1.0))));
+}
+
 /* The places of lanes fragments from i on. In a run that is not whole those that are not asked for
  * get the place of one that is; false: there is none. */
 static NEVER_INLINE bool readable_places(const box_run *run, size_t i, size_t lanes,
@@ -246,7 +259,7 @@ static float weigh_one(const box_batch *batch, size_t i, const texel_box *b) {
     else
         lit = batch->reversed ? WIDELY(weigh_box)(batch, i, b, n, TAPS_GIVEN, true)
                               : WIDELY(weigh_box)(batch, i, b, n, TAPS_GIVEN, false);
-    return (float)(lit * (1 / ((n - 1.0) * (n - 1.0))));
+    return weight_share(lit, n);
 }
 
 static bool steps_are_zero(const shb_receivers *r, size_t count) {

@@ -48,6 +48,7 @@ typedef struct mutual_batch {
     float error[SHB_BATCH];       /* of the fragment's plane at its own place */
     float slope_error[SHB_BATCH]; /* and as much for each texel from there */
     float reach[SHB_BATCH];       /* of taps on an axis, texels */
+    float base[SHB_BATCH]; /* a plane passes in front of the fragment if it does so by more */
     /* where the map keeps triangles: */
     double x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH]; /* the fragment in the map */
     uint32_t plain[SHB_BATCH]; /* the own texel's triangle if it shadows no tap, or SHB_ID_NONE */
@@ -168,6 +169,7 @@ static inline ALWAYS_INLINE void find_bounds(bool affine, size_t count, mutual_b
 static void write_mutual_planes(mutual_batch *batch, size_t count) {
     shb_receivers *r = &batch->receivers;
     const float side = batch->map->info.occluders == SHB_OCCLUDERS_TRIANGLES ? -1.0f : 1.0f;
+    const float smallest = (float)SHB_HALF_ABSOLUTE * (float)batch->map->occluders.slope_unit;
     for (size_t i = 0; i < shb_round_to_lanes(count); i += WIDE) {
         const vf z = vf_load(r->depth + i), reach = vf_load(batch->reach + i);
         const vf step_x = vf_load(r->step_x + i), step_y = vf_load(r->step_y + i);
@@ -180,69 +182,70 @@ static void write_mutual_planes(mutual_batch *batch, size_t count) {
         vf_store(r->ref + i, vf_where(known, (z + run) - side * error, vf_splat(-INFINITY)));
         vf_store(r->step_x + i, vf_keep(known, step_x));
         vf_store(r->step_y + i, vf_keep(known, step_y));
+        vf_store(batch->base + i,
+                 (vf_load(batch->moved_z + i) + 2 * (float)SHB_FLOAT_ROUNDING * vf_abs(z)) +
+                     reach * (2 * smallest));
     }
 }
 
-/* What the planes of occluders are compared with, of WIDE fragments or of one. Lengths are in units
- * of slopes by texels. */
+/* What the planes of occluders are compared with, of WIDE fragments or of one. */
 typedef struct mutual_lanes {
     vf z, base, moved_x, moved_y;
-    float unit;
 } mutual_lanes;
 
-/* Halves below the normal ones may be off by so much for each texel. */
-static inline ALWAYS_INLINE mutual_lanes mutual_lanes_of(const mutual_batch *batch, vf z,
-                                                         vf moved_x, vf moved_y, vf moved_z,
-                                                         vf reach) {
-    const float unit = (float)batch->map->occluders.slope_unit;
-    const vf rounding = 2 * (float)SHB_FLOAT_ROUNDING * vf_abs(z);
-    return (mutual_lanes){z, (moved_z + rounding) + reach * (2 * (float)SHB_HALF_ABSOLUTE * unit),
-                          moved_x * unit, moved_y * unit, unit};
-}
-
 static inline ALWAYS_INLINE mutual_lanes mutual_lanes_at(const mutual_batch *batch, size_t i) {
-    return mutual_lanes_of(batch, vf_load(batch->receivers.depth + i), vf_load(batch->moved_x + i),
-                           vf_load(batch->moved_y + i), vf_load(batch->moved_z + i),
-                           vf_load(batch->reach + i));
+    return (mutual_lanes){vf_load(batch->receivers.depth + i), vf_load(batch->base + i),
+                          vf_load(batch->moved_x + i), vf_load(batch->moved_y + i)};
 }
 
 static inline ALWAYS_INLINE mutual_lanes mutual_lanes_of_one(const mutual_batch *batch, size_t i) {
-    return mutual_lanes_of(batch, vf_splat(batch->receivers.depth[i]), vf_splat(batch->moved_x[i]),
-                           vf_splat(batch->moved_y[i]), vf_splat(batch->moved_z[i]),
-                           vf_splat(batch->reach[i]));
+    return (mutual_lanes){vf_splat(batch->receivers.depth[i]), vf_splat(batch->base[i]),
+                          vf_splat(batch->moved_x[i]), vf_splat(batch->moved_y[i])};
 }
 
-/* A length in texels along one axis, from the fragment to a tap, and what the slope of the tap's
- * plane may be off by times that, all by the slope: the rounding to half floats, and of the sums
- * and products here. */
+/* Halves become floats by a shift of their bits: exponents count from 15 in the one, from 127 in
+ * the other. Lengths that they are multiplied by make up for that, which slope units of at most 1
+ * leave in the range of floats; one that is not gives NaN or infinity, and no shadow. */
+#define HALF_SCALE 0x1p112f
+#define HALF_BITS 0x8fffe000u
+
+/* Two half floats, x low and y high. Where one of them is infinite, both are. */
+static inline ALWAYS_INLINE vf half_low(vu halves) {
+    return (vf)((vu)((vi)(halves << 16) >> 3) & HALF_BITS);
+}
+
+static inline ALWAYS_INLINE vf half_high(vu halves) {
+    return (vf)((vu)((vi)halves >> 3) & HALF_BITS);
+}
+
+static inline ALWAYS_INLINE vi is_finite_half(vf half) {
+    return half < 65536.0f / HALF_SCALE;
+}
+
+/* What texels are multiplied by. */
+static inline ALWAYS_INLINE float length_unit(const shb_map *map) {
+    return (float)map->occluders.slope_unit * HALF_SCALE;
+}
+
+/* A length along one axis, from the fragment to a tap, less what the slope of the tap's plane may
+ * be off by times that, all by the slope: the rounding to half floats, and of the sums and products
+ * here. For slopes that rise and for those that fall. */
 typedef struct mutual_way {
-    vf to, miss;
+    vf rising, falling;
 } mutual_way;
 
-static inline ALWAYS_INLINE mutual_way mutual_way_of(const mutual_lanes *own, vf moved, vf texels) {
-    const vf to = texels * own->unit;
-    return (mutual_way){to, moved + ((float)SHB_HALF_RELATIVE + 0x1p-20f) * vf_abs(to)};
-}
-
-/* Two half floats, x low and y high. */
-#define HALF_SIGN 0x80000000u
-#define HALF_SIZE 0x7fff0000u
-#define HALF_INFINITY 65536.0f
-
-/* The size of a half float in the high bits: its exponent counts from 15, that of a float from 127;
- * infinity becomes HALF_INFINITY. */
-static inline ALWAYS_INLINE vf half_size(vu half) {
-    return (vf)((half & HALF_SIZE) >> 3) * 0x1p112f;
+static inline ALWAYS_INLINE mutual_way mutual_way_of(vf moved, vf texels, float unit) {
+    const vf to = texels * unit;
+    const vf miss = moved * unit + ((float)SHB_HALF_RELATIVE + 0x1p-20f) * vf_abs(to);
+    return (mutual_way){to - miss, to + miss};
 }
 
 /* -1 where the plane of the texel's occluder, through what is stored, passes in front of the
  * fragment. */
-static inline ALWAYS_INLINE vi passes_in_front(const mutual_lanes *own, mutual_way x, mutual_way y,
-                                               vf stored, vu texels) {
-    const vu half_x = texels << 16, half_y = texels;
-    const vf size_x = half_size(half_x), size_y = half_size(half_y);
-    const vf rise_x = size_x * ((vf)((vu)x.to ^ (half_x & HALF_SIGN)) - x.miss);
-    const vf rise_y = size_y * ((vf)((vu)y.to ^ (half_y & HALF_SIGN)) - y.miss);
-    return ((own->z - stored) + (rise_x + rise_y) > own->base) &
-           (vf_max(size_x, size_y) < HALF_INFINITY);
+static inline ALWAYS_INLINE vi passes_in_front(vf z, vf base, const mutual_way *x,
+                                               const mutual_way *y, vf stored, vu texels) {
+    const vf slope_x = half_low(texels), slope_y = half_high(texels);
+    const vf rise_x = slope_x * vf_by_sign((vi)(texels << 16), x->falling, x->rising);
+    const vf rise_y = slope_y * vf_by_sign((vi)texels, y->falling, y->rising);
+    return ((z - stored) + (rise_x + rise_y) > base) & is_finite_half(slope_y);
 }

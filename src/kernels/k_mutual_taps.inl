@@ -29,6 +29,14 @@ static inline ALWAYS_INLINE vu gather_occluders(const shb_map *map, vi x, vi y) 
     return texels;
 }
 
+static inline ALWAYS_INLINE vi pass_before(mutual_lanes own, vf to_x, vf to_y, const shb_map *map,
+                                           vf stored, vu texels) {
+    const float unit = length_unit(map);
+    const mutual_way x = mutual_way_of(own.moved_x, to_x, unit);
+    const mutual_way y = mutual_way_of(own.moved_y, to_y, unit);
+    return passes_in_front(own.z, own.base, &x, &y, stored, texels);
+}
+
 /* WIDE taps of fragments first, first + 1, ..., m columns to the right and n rows below the own
  * texels. hits: those inside the map where what it holds, stored, lies in front of the fragment's
  * plane. Returns the taps that are shadowed. */
@@ -42,9 +50,8 @@ static NEVER_INLINE vi shadowed_taps(mutual_batch *batch, size_t first, vi hits,
     if (batch->map->info.occluders == SHB_OCCLUDERS_TRIANGLES)
         return shadowed_by_triangles(
             batch, first, 1, open_to_triangles(batch, first, 1, hits, texels), texels, to_x, to_y);
-    const mutual_lanes own = mutual_lanes_at(batch, first);
-    return hits & passes_in_front(&own, mutual_way_of(&own, own.moved_x, to_x),
-                                  mutual_way_of(&own, own.moved_y, to_y), stored, texels);
+    return hits &
+           pass_before(mutual_lanes_at(batch, first), to_x, to_y, batch->map, stored, texels);
 }
 
 /* The same for WIDE taps in a row of fragment i, from m columns to the right on. */
@@ -59,7 +66,6 @@ static NEVER_INLINE vi shadowed_taps_of_one(mutual_batch *batch, size_t i, vi hi
     if (batch->map->info.occluders == SHB_OCCLUDERS_TRIANGLES)
         return shadowed_by_triangles(batch, i, 0, open_to_triangles(batch, i, 0, hits, texels),
                                      texels, to_x, to_y);
-    const mutual_lanes own = mutual_lanes_of_one(batch, i);
-    return hits & passes_in_front(&own, mutual_way_of(&own, own.moved_x, to_x),
-                                  mutual_way_of(&own, own.moved_y, to_y), stored, texels);
+    return hits &
+           pass_before(mutual_lanes_of_one(batch, i), to_x, to_y, batch->map, stored, texels);
 }

@@ -38,6 +38,8 @@
 
 #include "k_filter.inl"
 
+#include "k_plane_boxes.inl"
+
 #include "k_filter_exact.inl"
 
 #include "k_scatter.inl"

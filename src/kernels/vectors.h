@@ -69,7 +69,8 @@ static inline __m256 gather_eight(const float *base, __m256i index) {
 }
 #endif
 
-/* vf_gather: the floats at these indices, which are not negative.
+/* vf_by_sign: negative where the sign bit is set.
+ * vf_gather: the floats at these indices, which are not negative.
  * vf_min, vf_max: a < b ? a : b, a > b ? a : b. vf_least: of all lanes, none of them NaN.
  * vi_any: true if the mask is set in some lane.
  * vi_bits: bit i: the mask is set in lane i. */
@@ -79,6 +80,9 @@ static inline vf vf_min(vf a, vf b) {
 }
 static inline vf vf_max(vf a, vf b) {
     return _mm512_max_ps(a, b);
+}
+static inline vf vf_by_sign(vi sign, vf negative, vf other) {
+    return _mm512_mask_blend_ps(_mm512_movepi32_mask((__m512i)sign), other, negative);
 }
 static inline float vf_least(vf v) {
     return _mm512_reduce_min_ps(v);
@@ -100,6 +104,9 @@ static inline vf vf_min(vf a, vf b) {
 }
 static inline vf vf_max(vf a, vf b) {
     return _mm256_max_ps(a, b);
+}
+static inline vf vf_by_sign(vi sign, vf negative, vf other) {
+    return _mm256_blendv_ps(other, negative, (__m256)sign);
 }
 static inline float vf_least(vf v) {
     const __m128 half = _mm_min_ps(_mm256_castps256_ps128(v), _mm256_extractf128_ps(v, 1));
@@ -140,6 +147,9 @@ static inline vf vf_max(vf a, vf b) {
     return vf_where(a > b, a, b);
 }
 #endif
+static inline vf vf_by_sign(vi sign, vf negative, vf other) {
+    return vf_where(sign < 0, negative, other);
+}
 static inline float vf_least(vf v) {
     float least = v[0];
     for (int i = 1; i < WIDE; i++)
