@@ -94,6 +94,10 @@ static shb_list_box box_of(const shb_list_frame *frame, const part *seen) {
         range_add(&y, v[1] * inverse, 4 * (e[1] + fabs(v[1] * inverse) * e[3]) * inverse);
         range_add(&z, v[2] * inverse, 4 * (e[2] + fabs(v[2] * inverse) * e[3]) * inverse);
     }
+    range_add(&x, x.lo, frame->rim);
+    range_add(&x, x.hi, frame->rim);
+    range_add(&y, y.lo, frame->rim);
+    range_add(&y, y.hi, frame->rim);
     shb_list_box box;
     if (!texels_of(x, frame->width, &box.first_column, &box.last_column) ||
         !texels_of(y, frame->height, &box.first_row, &box.last_row))

@@ -22,11 +22,6 @@
 #include "shadowbias/scene.h"
 #include "sheets.h"
 
-typedef struct shb_list_cell {
-    uint32_t start; /* of its entries, among the tile's; the next cell's is their end */
-    float far;      /* points of the scene behind it are in shadow */
-} shb_list_cell;
-
 typedef struct shb_list_tile {
     size_t first_cell, first_entry;
     int cell_bits; /* cells are squares of 2^cell_bits texels; negative: no triangle is near */
@@ -38,7 +33,7 @@ typedef struct shb_lists {
     uint32_t width, height; /* texels */
     uint32_t tile_columns, tile_rows;
     shb_list_tile *tiles;
-    shb_list_cell *cells;    /* of each tile block by block, and one for the end */
+    shb_list_cell *cells;    /* of each tile row by row, and one for the end */
     shb_list_entry *entries; /* of each cell front to back by the levels of their triangles */
     /* by id */
     shb_list_triangle *triangles; /* of those that have entries */
@@ -85,11 +80,8 @@ void shb_lists_query(const shb_lists *lists, const shb_list_points *points, floa
 /* The number of the cell that holds a texel of a tile; column and row count from the tile's first
  * one. */
 static inline size_t shb_list_cell_of(const shb_list_tile *tile, uint32_t column, uint32_t row) {
-    const uint32_t x = column >> tile->cell_bits, y = row >> tile->cell_bits;
-    const uint32_t blocks = SHB_LIST_BLOCKS >> tile->cell_bits;
-    const uint32_t block = y / SHB_LIST_BLOCK * blocks + x / SHB_LIST_BLOCK;
-    return tile->first_cell + (size_t)block * SHB_LIST_LANES + y % SHB_LIST_BLOCK * SHB_LIST_BLOCK +
-           x % SHB_LIST_BLOCK;
+    const size_t x = column >> tile->cell_bits, y = row >> tile->cell_bits;
+    return tile->first_cell + y * (SHB_LIST_TILE >> tile->cell_bits) + x;
 }
 
 /* What a map with desc.classifies answers certainly from. */

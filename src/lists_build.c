@@ -134,6 +134,8 @@ static shb_result build_lists(build *b, const char *caller, const shb_view *view
             shb_list_frame_init(view, lists->width, lists->height, &lists->frame);
         if (result)
             return shb_fail(b->context, result, "%s: the view has no light", caller);
+        if (b->with_sheets)
+            lists->frame.rim = SHB_LIST_POINT_MARGIN + 2 * SHB_LIST_CORNER;
         const outcome found = build_size(b, memory_cap);
         if (found == FITS)
             return SHB_OK;

@@ -9,6 +9,7 @@ typedef struct shb_list_frame {
     double rows[4][4];
     double near_depth;    /* canonical */
     double width, height; /* texels */
+    double rim;           /* that cells are taken as larger by on all sides, texels */
     shb_light_source light;
     double reach;     /* the largest coordinate of the scene */
     double errors[4]; /* bounds of the rounding of the rows' products, and of rays' drift */

@@ -62,103 +62,49 @@ static void sort_triangles(const tile_job *job, size_t tile, uint64_t *keys) {
     shb_sort_by_level(count, keys, keys + job->bins->largest);
 }
 
-static void clear_sheets(shb_list_sheets *sheets) {
-    for (size_t lane = 0; lane < SHB_LIST_LANES; lane++) {
-        sheets->begins[lane] = HUGE_VALF;
-        sheets->ends[lane] = -HUGE_VALF;
-        sheets->behind[lane] = HUGE_VALF;
-        sheets->sums[0][lane] = 0;
-        sheets->sums[1][lane] = 0;
-    }
-}
-
-static void clear_cells(shb_list_cover *cover, int cell_bits) {
-    cover->cell_bits = cell_bits;
-    cover->entries.count = 0;
-    for (size_t i = 0; i < cells_of(cell_bits) / SHB_LIST_LANES; i++)
-        for (size_t lane = 0; lane < SHB_LIST_LANES; lane++) {
-            cover->blocks[i].far[lane] = HUGE_VALF;
-            cover->blocks[i].counts[lane] = 0;
-        }
-    for (size_t i = 0; cover->with_sheets && i < cells_of(cell_bits) / SHB_LIST_LANES; i++)
-        clear_sheets(&cover->sheets[i]);
-}
-
-/* What sheets.h says of a cell. */
-static float bound_of(const shb_list_block *block, const shb_list_sheets *sheets, size_t lane) {
-    const float far = block->far[lane];
-    const bool is_whole = sheets->sums[0][lane] == (int32_t)SHB_LIST_SHEET_0 &&
-                          sheets->sums[1][lane] == (int32_t)SHB_LIST_SHEET_1 &&
-                          sheets->ends[lane] <= far && far < sheets->behind[lane];
-    uint32_t bits;
-    memcpy(&bits, &far, sizeof bits);
-    bits = (bits & ~1u) | is_whole;
-    float bound;
-    memcpy(&bound, &bits, sizeof bound);
-    return bound;
-}
-
 /* Writes the bounds of a tile's texels; of those of a tile without triangles nothing is known. */
 static void write_bounds(const shb_lists *lists, const shb_list_tile *tile,
                          const shb_list_cover *cover) {
     const shb_sheets *sheets = &lists->sheets;
     const uint32_t columns = sheets->width - cover->column, rows = sheets->height - cover->row;
-    const shb_list_tile at_zero = {.cell_bits = tile->cell_bits};
+    const uint32_t count = columns < SHB_LIST_TILE ? columns : SHB_LIST_TILE;
+    const int bits = tile->cell_bits > 0 ? tile->cell_bits : 0;
     for (uint32_t row = 0; row < rows && row < SHB_LIST_TILE; row++) {
         float *bounds = sheets->bounds + (cover->row + row) * sheets->stride + cover->column;
-        for (uint32_t column = 0; column < columns && column < SHB_LIST_TILE; column++) {
-            if (tile->cell_bits < 0) {
-                bounds[column] = HUGE_VALF;
-                continue;
-            }
-            const size_t cell = shb_list_cell_of(&at_zero, column, row);
-            bounds[column] = bound_of(&cover->blocks[cell / SHB_LIST_LANES],
-                                      &cover->sheets[cell / SHB_LIST_LANES], cell % SHB_LIST_LANES);
-        }
+        const float *from = cover->bounds + (row >> bits) * (SHB_LIST_TILE >> bits);
+        if (tile->cell_bits == 0)
+            memcpy(bounds, from, count * sizeof *bounds);
+        for (uint32_t column = 0; tile->cell_bits != 0 && column < count; column++)
+            bounds[column] = tile->cell_bits < 0 ? HUGE_VALF : from[column >> bits];
     }
 }
 
-/* Entries from the order of triangles to that of cells. */
-static void write_entries(const shb_lists *lists, const shb_list_tile *tile,
-                          const shb_list_cover *cover) {
-    const size_t count = cells_of(tile->cell_bits);
-    const shb_list_unsorted *made = &cover->entries;
-    uint32_t next[SHB_LIST_TILE * SHB_LIST_TILE];
-    shb_list_cell *cells = lists->cells + tile->first_cell;
-    uint32_t sum = 0;
-    for (size_t i = 0; i < count; i++) {
-        const shb_list_block *block = &cover->blocks[i / SHB_LIST_LANES];
-        cells[i] = (shb_list_cell){sum, block->far[i % SHB_LIST_LANES]};
-        next[i] = sum;
-        sum += (uint32_t)block->counts[i % SHB_LIST_LANES];
-    }
-    cells[count] = (shb_list_cell){.start = sum};
-    shb_list_entry *entries = lists->entries + tile->first_entry;
-    for (size_t i = 0; i < made->count; i++)
-        entries[next[made->cells[i]]++] = (shb_list_entry){made->triangles[i], made->begins[i]};
+/* Makes cells and entries of a tile that has triangles. */
+static void cover_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *keys) {
+    shb_lists *lists = job->lists;
+    shb_list_tile *tile = &lists->tiles[number];
+    const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
+    sort_triangles(job, number, keys);
+    shb_list_bin(job->bins, number, &cover->count);
+    cover->keys = keys;
+    cover->cells = lists->cells + tile->first_cell;
+    for (cover->cell_bits = tile->cell_bits; !kernels->cover(cover);)
+        cover->cell_bits++;
+    tile->cell_bits = cover->cell_bits;
+    const size_t count = cover->unsorted.count;
+    tile->first_entry = atomic_fetch_add(&job->next_entry, count);
+    if (tile->first_entry <= job->room && count <= job->room - tile->first_entry)
+        memcpy(lists->entries + tile->first_entry, cover->entries, count * sizeof *cover->entries);
 }
 
 static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *keys) {
-    shb_lists *lists = job->lists;
-    shb_list_tile *tile = &lists->tiles[number];
+    const shb_lists *lists = job->lists;
     cover->column = (uint32_t)(number % lists->tile_columns) * SHB_LIST_TILE;
     cover->row = (uint32_t)(number / lists->tile_columns) * SHB_LIST_TILE;
-    if (tile->cell_bits < 0) {
-        if (cover->with_sheets)
-            write_bounds(lists, tile, cover);
-        return;
-    }
-    sort_triangles(job, number, keys);
-    cover->keys = keys;
-    shb_list_bin(job->bins, number, &cover->count);
-    const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
-    for (clear_cells(cover, tile->cell_bits); !kernels->cover(cover);)
-        clear_cells(cover, ++tile->cell_bits);
-    tile->first_entry = atomic_fetch_add(&job->next_entry, cover->entries.count);
-    if (tile->first_entry <= job->room && cover->entries.count <= job->room - tile->first_entry)
-        write_entries(lists, tile, cover);
+    if (lists->tiles[number].cell_bits >= 0)
+        cover_tile(job, number, cover, keys);
     if (cover->with_sheets)
-        write_bounds(lists, tile, cover);
+        write_bounds(lists, &lists->tiles[number], cover);
 }
 
 static void run_lane(void *arg, size_t lane) {
@@ -178,7 +124,7 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
     if (!shb_buffer_reserve(context, &scratch[SHB_LIST_COVERS], lanes, sizeof(shb_list_cover)) ||
         !shb_buffer_reserve(context, &scratch[SHB_LIST_KEYS], lanes * 2,
                             (bins->largest + 1) * sizeof(uint64_t)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED], lanes * 3,
+        !shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED], lanes * 5,
                             room_of_lane * sizeof(uint32_t)))
         return false;
     tile_job job = {.lists = lists,
@@ -192,11 +138,12 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
         job.covers[i].boxes = bins->boxes;
         job.covers[i].outlines = bins->outlines;
         job.covers[i].with_sheets = lists->sheets.bounds != NULL;
-        uint32_t *memory = (uint32_t *)scratch[SHB_LIST_UNSORTED].data + 3 * i * room_of_lane;
-        job.covers[i].entries = (shb_list_unsorted){
-            .triangles = memory,
-            .cells = memory + room_of_lane,
-            .begins = (float *)(memory + 2 * room_of_lane),
+        uint32_t *memory = (uint32_t *)scratch[SHB_LIST_UNSORTED].data + 5 * i * room_of_lane;
+        job.covers[i].entries = (shb_list_entry *)memory;
+        job.covers[i].unsorted = (shb_list_unsorted){
+            .triangles = memory + 2 * room_of_lane,
+            .cells = memory + 3 * room_of_lane,
+            .begins = (float *)(memory + 4 * room_of_lane),
             .capacity = room_of_lane,
         };
     }

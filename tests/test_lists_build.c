@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "probe.h"
 #include "test.h"
 
 static void make_soup(soup *s, float scale) {
@@ -56,6 +57,34 @@ static bool lists_equal(const shb_lists *a, const shb_lists *b) {
                 return false;
         }
     return true;
+}
+
+/* Entries of the cell left of a triangle whose left edge is a 2^-10th of a texel beside it; height
+ * is that of its third corner, which the near plane cuts off from 4 on. */
+static size_t count_beside_edge(float height, bool with_sheets) {
+    enum { SIZE = 64 };
+    const float left = -0.5f + 0x1p-15f;
+    soup s = {0};
+    soup_add(&s, (float[]){left, -0.5f, 0}, (float[]){left + 0.5f, 0, height},
+             (float[]){left, 0.5f, 0});
+    shb_context *context = lists_context(1);
+    const shb_view view = probe_orthographic(false);
+    shb_lists *lists = NULL;
+    CHECK_INT(
+        shb_lists_build(context, "test", &view, SIZE, SIZE, soup_scene(&s), 0, with_sheets, &lists),
+        SHB_OK);
+    CHECK_INT(cell_at(lists, 16, SIZE / 2).count, 1);
+    const size_t count = cell_at(lists, 15, SIZE / 2).count;
+    shb_lists_destroy(lists);
+    shb_context_destroy(context);
+    soup_free(&s);
+    return count;
+}
+
+TEST(cells_of_sheets_hold_what_points_are_rounded_away_from) {
+    CHECK_INT(count_beside_edge(1, false), 0);
+    CHECK_INT(count_beside_edge(1, true), 1);
+    CHECK_INT(count_beside_edge(5, true), 1);
 }
 
 TEST(lists_do_not_depend_on_the_unit_of_length) {

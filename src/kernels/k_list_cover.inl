@@ -18,113 +18,206 @@
  * whole. A triangle that ends before all of a closed sheet begins a new one, behind which that
  * lies.
  *
- * All of it holds for cells that are larger by LIST_RIM. A sample that an edge passes too closely,
- * and triangles whose outline is not known, leave a number that nothing takes away. */
+ * All of it holds for cells that are larger by the frame's rim. A sample that an edge passes too
+ * closely, and triangles whose outline is not known, leave a number that nothing takes away. */
 
 #include "lane_masks.h"
-
-/* Cells are taken as larger by a rim, in texels: what rounding to floats may move a point by, and
- * corners. */
-#define LIST_RIM ((float)(SHB_LIST_POINT_MARGIN + 2 * LIST_CORNER))
 
 /* Where triangles are counted, in a cell's size from its corner: where no edge passes by because a
  * mesh and the map are aligned. */
 #define LIST_SAMPLE_X 0x1.1p-1f
 #define LIST_SAMPLE_Y 0x1.bp-2f
 
-/* Four floats: an element for each weight, or for the edge where it is 0. */
-typedef float list_f4 __attribute__((vector_size(16)));
-typedef int32_t list_i4 __attribute__((vector_size(16)));
+/* Where a triangle lies in a tile, in cells. */
+typedef struct list_cells {
+    uint32_t first_column, last_column, first_row, last_row;
+} list_cells;
 
-static inline list_f4 f4_load(const float *p) {
-    list_f4 v;
-    memcpy(&v, p, sizeof v);
-    return v;
+/* Triangles that are put into cells one after the other, as linear functions over the tile, from
+ * its corner: the weights at the best corner of a cell, which are negative where the triangle
+ * misses the cell for sure; what they gain for each cell that a window is larger, what their worst
+ * corner has less, and what the cell's sample has; the boxes of edges, by the corners of cells that
+ * meet them; and depths at which the triangle begins and ends in a cell. */
+typedef struct list_batch {
+    SHB_ALIGN float x[3][LIST_LANES];
+    float y[3][LIST_LANES], best[3][LIST_LANES], more[3][LIST_LANES], worst[3][LIST_LANES];
+    float slope_x[LIST_LANES], slope_y[LIST_LANES], begin[LIST_LANES], end[LIST_LANES];
+    float nearest[LIST_LANES];
+    /* for sheets */
+    float sample[3][LIST_LANES], sure[LIST_LANES]; /* sure: the least weights at a sample that is
+                                                      covered for sure */
+    float middle_x[3][LIST_LANES], middle_y[3][LIST_LANES];
+    float reach_x[3][LIST_LANES], reach_y[3][LIST_LANES];
+    int32_t edges[3][2][LIST_LANES], covers[2][LIST_LANES]; /* what they add to the sums */
+    int count;
+    uint32_t numbers[LIST_LANES];
+    list_cells cells[LIST_LANES];
+} list_batch;
+
+/* Words of records, WIDE lanes of each four. */
+static inline void read_words(const float *records, int lane, uint32_t word, vf out[4]) {
+    vf_read_quads(records + (size_t)lane * 16, (vu)vi_numbers() * 16 + word, out);
 }
 
-static inline list_f4 f4_abs(list_f4 v) {
-    return (list_f4)((list_i4)v & 0x7fffffff);
+static inline vf positive(vf v) {
+    return vf_max(v, vf_splat(0));
 }
 
-static inline list_f4 f4_positive(list_f4 v) {
-    return (list_f4)((list_i4)v & (v > 0));
-}
-
-/* Linear functions over a tile, from its corner: the weights at the best corner of a cell, which
- * are negative where the triangle misses the cell for sure; what their worst corner has less, and
- * what the cell's sample has; the boxes of edges, by the corners of cells that meet them; and
- * depths at which the triangle begins and ends in a cell. */
-typedef struct cell_functions {
-    list_f4 x, y, best, worst, sample;
-    list_f4 middle_x, middle_y, reach_x, reach_y;
-    float slope_x, slope_y, begin, end;
-    float nearest, sure;            /* the least weights at a sample that is covered for sure */
-    int32_t edges[3][2], covers[2]; /* what they add to the sums */
-} cell_functions;
-
-static inline void put_edge_boxes(const shb_list_outline *outline, float column, float row,
-                                  float size, cell_functions *f) {
-    const list_f4 x = f4_load(outline->x) - column, y = f4_load(outline->y) - row;
-    const list_f4 x_0 = __builtin_shufflevector(x, x, 1, 2, 0, 3);
-    const list_f4 x_1 = __builtin_shufflevector(x, x, 2, 0, 1, 3);
-    const list_f4 y_0 = __builtin_shufflevector(y, y, 1, 2, 0, 3);
-    const list_f4 y_1 = __builtin_shufflevector(y, y, 2, 0, 1, 3);
-    const float around = 0.5f * size + LIST_RIM + 0x1p-21f * (column + row);
-    const list_f4 width = f4_abs(x_1 - x_0), height = f4_abs(y_1 - y_0);
-    const list_f4 middle_x = 0.5f * (x_0 + x_1), middle_y = 0.5f * (y_0 + y_1);
-    f->middle_x = middle_x - 0.5f * size;
-    f->middle_y = middle_y - 0.5f * size;
-    f->reach_x = (0.5f * width + around) + 0x1p-20f * (width + f4_abs(middle_x));
-    f->reach_y = (0.5f * height + around) + 0x1p-20f * (height + f4_abs(middle_y));
-    memcpy(f->edges, outline->edges, sizeof f->edges);
-    f->covers[0] = (int32_t)SHB_LIST_SHEET_0;
-    f->covers[1] = (int32_t)SHB_LIST_SHEET_1;
-    if (outline->is_known)
-        return;
-    memset(f->edges, 0, sizeof f->edges);
-    f->covers[0] = 0;
-    f->covers[1] = (int32_t)SHB_LIST_UNKNOWN_1;
-    f->sample = f->sample * 0 + HUGE_VALF;
-}
-
-static inline void put_cell_functions(const shb_list_cover *cover, bool with_sheets,
-                                      uint32_t number, float nearest, cell_functions *f) {
-    const shb_list_triangle *t = &cover->triangles[number];
+/* The weights of WIDE triangles from lane i on. */
+static inline void put_weights(const shb_list_cover *cover, float rim, const float *records, int i,
+                               list_batch *b) {
     const float column = (float)cover->column, row = (float)cover->row;
-    const float size = (float)(1 << cover->cell_bits), rim = with_sheets ? LIST_RIM : 0;
-    f->x = (list_f4){-(t->u[0] + t->v[0]), t->u[0], t->v[0], 0};
-    f->y = (list_f4){-(t->u[1] + t->v[1]), t->u[1], t->v[1], 0};
-    const list_f4 first = {(t->rest - t->u[2]) - t->v[2], t->u[2], t->v[2], 0};
-    const list_f4 one = ((f->x * column + f->y * row) + first) + t->margin;
-    const list_f4 sizes = f4_abs(f->x) + f4_abs(f->y),
-                  across = f4_positive(f->x) + f4_positive(f->y);
-    f->best = one + (size * across + rim * sizes);
-    f->worst = -(size + 2 * rim) * sizes - 4 * t->margin;
-    f->sample = size * ((LIST_SAMPLE_X * f->x + LIST_SAMPLE_Y * f->y) - across) - rim * sizes;
-    f->sure = 4 * t->margin;
-    if (with_sheets)
-        put_edge_boxes(&cover->outlines[number], column, row, size, f);
-    const double depth = -shb_list_behind(t, (double)cover->column, (double)cover->row, 0);
-    const float z = (float)depth, x = (float)-t->plane[0], y = (float)-t->plane[1];
-    const float steep = fabsf(x) + fabsf(y);
-    const float rounding = 0x1p-20f * (fabsf(z) + SHB_LIST_TILE * steep) + rim * steep;
-    f->slope_x = x;
-    f->slope_y = y;
-    f->begin = z + size * (list_minf(x, 0) + list_minf(y, 0)) - rounding - t->clear;
-    f->end = z + size * (list_maxf(x, 0) + list_maxf(y, 0)) + rounding + t->clear;
-    f->nearest = nearest;
+    const float size = (float)(1 << cover->cell_bits);
+    vf u[4], v[4], rest[4]; /* the first word of v comes with u */
+    read_words(records, i, offsetof(shb_list_triangle, u) / 4, u);
+    read_words(records, i, offsetof(shb_list_triangle, v) / 4, v);
+    read_words(records, i, offsetof(shb_list_triangle, rest) / 4, rest);
+    const vf margin = rest[1];
+    const vf x[3] = {-(u[0] + v[0]), u[0], v[0]}, y[3] = {-(u[1] + v[1]), u[1], v[1]};
+    const vf first[3] = {(rest[0] - u[2]) - v[2], u[2], v[2]};
+    for (int k = 0; k < 3; k++) {
+        const vf one = ((x[k] * column + y[k] * row) + first[k]) + margin;
+        const vf sizes = vf_abs(x[k]) + vf_abs(y[k]);
+        const vf across = positive(x[k]) + positive(y[k]);
+        vf_store(b->x[k] + i, x[k]);
+        vf_store(b->y[k] + i, y[k]);
+        vf_store(b->best[k] + i, one + (size * across + rim * sizes));
+        vf_store(b->more[k] + i, size * across);
+        vf_store(b->worst[k] + i, -(size + 2 * rim) * sizes - 4 * margin);
+        vf_store(b->sample[k] + i,
+                 size * ((LIST_SAMPLE_X * x[k] + LIST_SAMPLE_Y * y[k]) - across) - rim * sizes);
+    }
+    vf_store(b->sure + i, 4 * margin);
 }
 
-static inline uint32_t first_block(uint32_t texel, uint32_t tile, int bits) {
+/* Depths of all lanes. */
+static inline void put_cell_depths(const shb_list_cover *cover, float rim, list_batch *b) {
+    const float size = (float)(1 << cover->cell_bits);
+    SHB_ALIGN float z[LIST_LANES], clear[LIST_LANES];
+    for (int i = 0; i < LIST_LANES; i++) {
+        const shb_list_triangle *t = &cover->triangles[b->numbers[i]];
+        z[i] = (float)-shb_list_behind(t, (double)cover->column, (double)cover->row, 0);
+        b->slope_x[i] = (float)-t->plane[0];
+        b->slope_y[i] = (float)-t->plane[1];
+        clear[i] = t->clear;
+    }
+    for (int i = 0; i < LIST_LANES; i += WIDE) {
+        const vf x = vf_load(b->slope_x + i), y = vf_load(b->slope_y + i), at = vf_load(z + i);
+        const vf steep = vf_abs(x) + vf_abs(y), none = vf_splat(0);
+        const vf rounding =
+            (0x1p-20f * (vf_abs(at) + SHB_LIST_TILE * steep) + rim * steep) + vf_load(clear + i);
+        vf_store(b->begin + i, (at + size * (vf_min(x, none) + vf_min(y, none))) - rounding);
+        vf_store(b->end + i, (at + size * (vf_max(x, none) + vf_max(y, none))) + rounding);
+    }
+}
+
+/* What WIDE triangles from lane i on add to sheets, and where. */
+static inline void put_outlines_of(const shb_list_cover *cover, const float *records, int i,
+                                   list_batch *b) {
+    const float column = (float)cover->column, row = (float)cover->row;
+    const float size = (float)(1 << cover->cell_bits);
+    const float around = 0.5f * size + (float)cover->frame->rim + 0x1p-21f * (column + row);
+    vf places[8], edges[8];
+    read_words(records, i, 0, places);
+    read_words(records, i, 4, places + 4);
+    read_words(records, i, 6, edges);
+    read_words(records, i, 10, edges + 4); /* two of edges, and is_known */
+    const vi known = -(vi)edges[6];
+    for (int k = 0; k < 3; k++) {
+        const vf x_0 = places[(k + 1) % 3] - column, x_1 = places[(k + 2) % 3] - column;
+        const vf y_0 = places[3 + (k + 1) % 3] - row, y_1 = places[3 + (k + 2) % 3] - row;
+        const vf width = vf_abs(x_1 - x_0), height = vf_abs(y_1 - y_0);
+        const vf middle_x = 0.5f * (x_0 + x_1), middle_y = 0.5f * (y_0 + y_1);
+        vf_store(b->middle_x[k] + i, middle_x - 0.5f * size);
+        vf_store(b->middle_y[k] + i, middle_y - 0.5f * size);
+        vf_store(b->reach_x[k] + i,
+                 (0.5f * width + around) + 0x1p-20f * (width + vf_abs(middle_x)));
+        vf_store(b->reach_y[k] + i,
+                 (0.5f * height + around) + 0x1p-20f * (height + vf_abs(middle_y)));
+        vi_store(b->edges[k][0] + i, (vi)edges[2 * k] & known);
+        vi_store(b->edges[k][1] + i, (vi)edges[2 * k + 1] & known);
+        vf_store(b->sample[k] + i, vf_where(known, vf_load(b->sample[k] + i), vf_splat(HUGE_VALF)));
+    }
+    vi_store(b->covers[0] + i, vi_splat((int32_t)SHB_LIST_SHEET_0) & known);
+    vi_store(b->covers[1] + i, (vi_splat((int32_t)SHB_LIST_SHEET_1) & known) |
+                                   (vi_splat((int32_t)SHB_LIST_UNKNOWN_1) & ~known));
+}
+
+/* Makes the functions of a batch whose numbers are there. */
+static void put_functions(const shb_list_cover *cover, bool with_sheets, list_batch *b) {
+    SHB_ALIGN float records[LIST_LANES * 16];
+    const float rim = with_sheets ? (float)cover->frame->rim : 0;
+    for (int i = b->count; i < LIST_LANES; i++)
+        b->numbers[i] = b->numbers[0];
+    for (int i = 0; i < LIST_LANES; i++)
+        memcpy(records + 16 * i, &cover->triangles[b->numbers[i]], sizeof *cover->triangles);
+    for (int i = 0; i < LIST_LANES; i += WIDE)
+        put_weights(cover, rim, records, i, b);
+    put_cell_depths(cover, rim, b);
+    if (!with_sheets)
+        return;
+    for (int i = 0; i < LIST_LANES; i++)
+        memcpy(records + 16 * i, &cover->outlines[b->numbers[i]], sizeof *cover->outlines);
+    for (int i = 0; i < LIST_LANES; i += WIDE)
+        put_outlines_of(cover, records, i, b);
+}
+
+static inline uint32_t first_cell(uint32_t texel, uint32_t tile, int bits) {
     return (texel > tile ? texel - tile : 0) >> bits;
 }
 
-static inline uint32_t last_block(uint32_t texel, uint32_t tile, int bits) {
+static inline uint32_t last_cell(uint32_t texel, uint32_t tile, int bits) {
     const uint32_t last = texel - tile;
     return (last < SHB_LIST_TILE ? last : SHB_LIST_TILE - 1) >> bits;
 }
 
-/* Blocks of a row that have cells which do not hide a depth, one bit each. */
+/* WIDE cells of a window of four by four from lane i on, the rest of its rows a stride apart. */
+static inline vf load_window(const float *at, size_t stride, int i) {
+#if WIDE == 16
+    (void)i;
+    const __m512 one = _mm512_castps128_ps512(_mm_loadu_ps(at));
+    const __m512 two = _mm512_insertf32x4(one, _mm_loadu_ps(at + stride), 1);
+    const __m512 three = _mm512_insertf32x4(two, _mm_loadu_ps(at + 2 * stride), 2);
+    return _mm512_insertf32x4(three, _mm_loadu_ps(at + 3 * stride), 3);
+#else
+    const float *from = at + (size_t)(i / 4) * stride + i % 4;
+#if WIDE == 8
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(from)),
+                                _mm_loadu_ps(from + stride), 1);
+#else
+    return vf_load(from);
+#endif
+#endif
+}
+
+static inline void store_window(float *at, size_t stride, int i, vf v) {
+#if WIDE == 16
+    (void)i;
+    _mm_storeu_ps(at, _mm512_castps512_ps128(v));
+    _mm_storeu_ps(at + stride, _mm512_extractf32x4_ps(v, 1));
+    _mm_storeu_ps(at + 2 * stride, _mm512_extractf32x4_ps(v, 2));
+    _mm_storeu_ps(at + 3 * stride, _mm512_extractf32x4_ps(v, 3));
+#else
+    float *to = at + (size_t)(i / 4) * stride + i % 4;
+#if WIDE == 8
+    _mm_storeu_ps(to, _mm256_castps256_ps128(v));
+    _mm_storeu_ps(to + stride, _mm256_extractf128_ps(v, 1));
+#else
+    vf_store(to, v);
+#endif
+#endif
+}
+
+static inline vi load_window_i(const int32_t *at, size_t stride, int i) {
+    return (vi)load_window((const float *)at, stride, i);
+}
+
+static inline void store_window_i(int32_t *at, size_t stride, int i, vi v) {
+    store_window((float *)at, stride, i, (vf)v);
+}
+
+/* Blocks of a row, one bit each, such that a window that begins there has cells which do not hide a
+ * depth. */
 static inline uint32_t open_blocks(const shb_list_cover *cover, uint32_t row, float depth) {
     const float *farthest = cover->farthest + (size_t)row * SHB_LIST_BLOCKS;
     uint32_t hidden = 0;
@@ -133,24 +226,10 @@ static inline uint32_t open_blocks(const shb_list_cover *cover, uint32_t row, fl
     return ~hidden;
 }
 
-static inline float largest_of_block(const float *values) {
-#if WIDE == 16
-    return _mm512_reduce_max_ps(_mm512_loadu_ps(values));
-#else
-    vf most = vf_load(values);
-    for (int i = WIDE; i < LIST_LANES; i += WIDE)
-        most = vf_max(most, vf_load(values + i));
-    float largest = most[0];
-    for (int i = 1; i < WIDE; i++)
-        largest = list_maxf(largest, most[i]);
-    return largest;
-#endif
-}
-
 /* Cells of those of a mask that an edge may meet: its line does, and its box. */
-static inline vm meets_edge(const cell_functions *f, int k, vm cells, vf x, vf y, vf worst) {
-    const vf off_x = vf_abs(x - f->middle_x[k]) - f->reach_x[k];
-    const vf off_y = vf_abs(y - f->middle_y[k]) - f->reach_y[k];
+static inline vm meets_edge(const list_batch *b, int t, int k, vm cells, vf x, vf y, vf worst) {
+    const vf off_x = vf_abs(x - b->middle_x[k][t]) - b->reach_x[k][t];
+    const vf off_y = vf_abs(y - b->middle_y[k][t]) - b->reach_y[k][t];
     return vm_below(cells, vf_max(vf_max(off_x, off_y), worst), vf_splat(0));
 }
 
@@ -162,166 +241,245 @@ static inline vm closed_cells(vm cells, vi sum_0, vi sum_1) {
 
 /* Adds a triangle to the sheets of the cells that it enters. Returns the cells that are closed, and
  * where their sheets end. A closed sheet makes room for a triangle that ends before all of it. */
-static inline vm add_to_sheets(const cell_functions *f, vm enters, const vf at[2],
+static inline vm add_to_sheets(const list_batch *b, int t, vm enters, const vf at[2],
                                const vf weights[3], vf begin, vf end, shb_list_sheets *sheets,
-                               int i, vf *sheet_end) {
-    vi sum_0 = vi_load(sheets->sums[0] + i), sum_1 = vi_load(sheets->sums[1] + i);
-    vf last = vf_load(sheets->ends + i), first = vf_load(sheets->begins + i);
+                               size_t cell, size_t stride, int i, vf *sheet_end) {
+    vi sum_0 = load_window_i(sheets->sums[0] + cell, stride, i);
+    vi sum_1 = load_window_i(sheets->sums[1] + cell, stride, i);
+    vf last = load_window(sheets->ends + cell, stride, i);
+    vf first = load_window(sheets->begins + cell, stride, i);
     const vm renews = vm_below(closed_cells(enters, sum_0, sum_1), end, first);
     if (vm_bits(renews)) {
-        vf_store(sheets->behind + i, vf_pick(renews, first, vf_load(sheets->behind + i)));
+        float *behind = sheets->behind + cell;
+        store_window(behind, stride, i, vf_pick(renews, first, load_window(behind, stride, i)));
         first = vf_pick(renews, vf_splat(HUGE_VALF), first);
         last = vf_pick(renews, vf_splat(-HUGE_VALF), last);
         sum_0 = vi_pick(renews, vi_splat(0), sum_0);
         sum_1 = vi_pick(renews, vi_splat(0), sum_1);
     }
-    const vf sample = vf_min(vf_min(weights[0] + f->sample[0], weights[1] + f->sample[1]),
-                             weights[2] + f->sample[2]);
+    const vf sample = vf_min(vf_min(weights[0] + b->sample[0][t], weights[1] + b->sample[1][t]),
+                             weights[2] + b->sample[2][t]);
     const vm covers = vm_and(enters, vm_not_above(vf_splat(0), sample));
-    sum_0 = vm_add(covers, sum_0, vi_splat(f->covers[0]));
-    sum_1 = vm_add(covers, sum_1, vi_splat(f->covers[1]));
-    const vm doubtful = vm_below(covers, sample, vf_splat(f->sure));
+    sum_0 = vm_add(covers, sum_0, vi_splat(b->covers[0][t]));
+    sum_1 = vm_add(covers, sum_1, vi_splat(b->covers[1][t]));
+    const vm doubtful = vm_below(covers, sample, vf_splat(b->sure[t]));
     if (vm_bits(doubtful))
         sum_1 = vm_add(doubtful, sum_1, vi_splat((int32_t)SHB_LIST_UNKNOWN_1));
     for (int k = 0; k < 3; k++) {
-        const vm meets = meets_edge(f, k, enters, at[0], at[1], weights[k] + f->worst[k]);
-        sum_0 = vm_add(meets, sum_0, vi_splat(f->edges[k][0]));
-        sum_1 = vm_add(meets, sum_1, vi_splat(f->edges[k][1]));
+        const vm meets = meets_edge(b, t, k, enters, at[0], at[1], weights[k] + b->worst[k][t]);
+        sum_0 = vm_add(meets, sum_0, vi_splat(b->edges[k][0][t]));
+        sum_1 = vm_add(meets, sum_1, vi_splat(b->edges[k][1][t]));
     }
     last = vf_pick(enters, vf_max(last, end), last);
     first = vf_pick(enters, vf_min(first, begin), first);
-    vi_store(sheets->sums[0] + i, sum_0);
-    vi_store(sheets->sums[1] + i, sum_1);
-    vf_store(sheets->ends + i, last);
-    vf_store(sheets->begins + i, first);
+    store_window_i(sheets->sums[0] + cell, stride, i, sum_0);
+    store_window_i(sheets->sums[1] + cell, stride, i, sum_1);
+    store_window(sheets->ends + cell, stride, i, last);
+    store_window(sheets->begins + cell, stride, i, first);
     *sheet_end = last;
     return closed_cells(enters, sum_0, sum_1);
 }
 
-/* The cells of a block that a triangle goes into, one bit each, and the least depth of the triangle
- * in each. */
-static inline uint32_t cover_block(const shb_list_cover *cover, bool with_sheets,
-                                   const cell_functions *f, uint32_t column, uint32_t row,
-                                   shb_list_block *block, shb_list_sheets *sheets,
-                                   float begins[LIST_LANES]) {
-    static const SHB_ALIGN float lane_x[LIST_LANES] = {0, 1, 2, 3, 0, 1, 2, 3,
-                                                       0, 1, 2, 3, 0, 1, 2, 3};
-    static const SHB_ALIGN float lane_y[LIST_LANES] = {0, 0, 0, 0, 1, 1, 1, 1,
-                                                       2, 2, 2, 2, 3, 3, 3, 3};
-    const float left = (float)(int32_t)(column << (cover->cell_bits + 2));
-    const float top = (float)(int32_t)(row << (cover->cell_bits + 2));
-    const float size = (float)(1 << cover->cell_bits);
-    uint32_t bits = 0;
-    for (int i = 0; i < LIST_LANES; i += WIDE) {
-        const vf at[2] = {left + size * vf_load(lane_x + i), top + size * vf_load(lane_y + i)};
-        vf weights[3];
-        for (int k = 0; k < 3; k++)
-            weights[k] = (f->x[k] * at[0] + f->y[k] * at[1]) + f->best[k];
-        const vf depth = f->slope_x * at[0] + f->slope_y * at[1];
-        const vf begin = vf_max(depth + f->begin, vf_splat(f->nearest)), end = depth + f->end;
-        const vf before = vf_load(block->far + i);
-        const vf most = vf_min(vf_min(weights[0], weights[1]), weights[2]);
-        const vm enters = vm_and(vm_not_above(vf_splat(0), most), vm_not_above(begin, before));
-        const vf least = vf_min(vf_min(weights[0] + f->worst[0], weights[1] + f->worst[1]),
-                                weights[2] + f->worst[2]);
-        const vm hides = vm_below(vm_not_above(vf_splat(0), least), end, before);
-        vf far = vf_pick(hides, end, before), sheet_end;
-        vf_store(begins + i, begin);
-        vi_store(block->counts + i, vm_add(enters, vi_load(block->counts + i), vi_splat(1)));
-        bits |= vm_bits(enters) << i;
-        if (with_sheets && vm_bits(enters)) {
-            const vm closed =
-                add_to_sheets(f, enters, at, weights, begin, end, sheets, i, &sheet_end);
-            far = vf_pick(closed, vf_min(sheet_end, far), far);
-        }
-        vf_store(block->far + i, far);
-    }
-    return bits;
-}
-
-/* Appends entries of a block's cells; the room for all of them is there. Returns how many. */
+/* Appends entries of WIDE cells of a window; the room for all of them is there. Returns how many.
+ */
 static inline size_t append_entries(const shb_list_unsorted *entries, size_t end, uint32_t number,
-                                    uint32_t cell, uint32_t bits, const float *begins) {
+                                    vi cells, uint32_t bits, vf begins) {
 #if WIDE == 16
-    const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const __m512i cells = _mm512_add_epi32(lanes, _mm512_set1_epi32((int32_t)cell));
-    _mm512_storeu_si512(entries->cells + end, _mm512_maskz_compress_epi32((__mmask16)bits, cells));
-    _mm512_storeu_ps(entries->begins + end,
-                     _mm512_maskz_compress_ps((__mmask16)bits, _mm512_loadu_ps(begins)));
+    const __mmask16 mask = (__mmask16)bits;
+    _mm512_storeu_si512(entries->cells + end, _mm512_maskz_compress_epi32(mask, (__m512i)cells));
+    _mm512_storeu_ps(entries->begins + end, _mm512_maskz_compress_ps(mask, begins));
     _mm512_storeu_si512(entries->triangles + end, _mm512_set1_epi32((int32_t)number));
     return (size_t)__builtin_popcount(bits);
 #else
+    float from[WIDE];
+    uint32_t of[WIDE];
     size_t count = end;
+    memcpy(from, &begins, sizeof from);
+    memcpy(of, &cells, sizeof of);
     for (; bits; bits &= bits - 1) {
         const uint32_t lane = (uint32_t)__builtin_ctz(bits);
         entries->triangles[count] = number;
-        entries->begins[count] = begins[lane];
-        entries->cells[count++] = cell + lane;
+        entries->begins[count] = from[lane];
+        entries->cells[count++] = of[lane];
     }
     return count - end;
 #endif
 }
 
-/* Where a triangle lies in a tile, in blocks. */
-typedef struct list_blocks {
-    uint32_t columns; /* one bit each */
-    uint32_t first_row, last_row;
-} list_blocks;
-
-static inline list_blocks blocks_of(const shb_list_cover *cover, const shb_list_box *box) {
-    const int bits = cover->cell_bits + 2; /* texels of a block's side */
-    const uint32_t first_column = first_block(box->first_column, cover->column, bits);
-    const uint32_t last_column = last_block(box->last_column, cover->column, bits);
-    return (list_blocks){(2u << last_column) - (1u << first_column),
-                         first_block(box->first_row, cover->row, bits),
-                         last_block(box->last_row, cover->row, bits)};
+/* Puts a triangle into the cells of the window of four by four from a column and a row on. */
+static inline __attribute__((always_inline)) void cover_window(shb_list_cover *cover,
+                                                               bool with_sheets, uint32_t column,
+                                                               uint32_t row, const list_batch *b,
+                                                               int t) {
+    static const SHB_ALIGN float lane_x[LIST_LANES] = {0, 1, 2, 3, 0, 1, 2, 3,
+                                                       0, 1, 2, 3, 0, 1, 2, 3};
+    static const SHB_ALIGN float lane_y[LIST_LANES] = {0, 0, 0, 0, 1, 1, 1, 1,
+                                                       2, 2, 2, 2, 3, 3, 3, 3};
+    const size_t side = SHB_LIST_TILE >> cover->cell_bits, stride = side + SHB_LIST_BLOCK;
+    const size_t cell = row * stride + column;
+    const float left = (float)(int32_t)(column << cover->cell_bits);
+    const float top = (float)(int32_t)(row << cover->cell_bits);
+    const float size = (float)(1 << cover->cell_bits);
+    const int32_t corner = (int32_t)(row * side + column);
+    const list_cells *cells = &b->cells[t];
+    const vf last_x = vf_splat((float)(int32_t)(cells->last_column << cover->cell_bits));
+    const vf last_y = vf_splat((float)(int32_t)(cells->last_row << cover->cell_bits));
+    for (int i = 0; i < LIST_LANES; i += WIDE) {
+        const vf at[2] = {left + size * vf_load(lane_x + i), top + size * vf_load(lane_y + i)};
+        vf weights[3];
+        for (int k = 0; k < 3; k++)
+            weights[k] = (b->x[k][t] * at[0] + b->y[k][t] * at[1]) + b->best[k][t];
+        const vf depth = b->slope_x[t] * at[0] + b->slope_y[t] * at[1];
+        const vf begin = vf_max(depth + b->begin[t], vf_splat(b->nearest[t]));
+        const vf end = depth + b->end[t];
+        const vf before = load_window(cover->far + cell, stride, i);
+        const vf most = vf_min(vf_min(weights[0], weights[1]), weights[2]);
+        const vm near = vm_and(vm_not_above(at[0], last_x), vm_not_above(at[1], last_y));
+        const vm meets = vm_and(near, vm_not_above(vf_splat(0), most));
+        const vm enters = vm_and(meets, vm_not_above(begin, before));
+        const vf least = vf_min(vf_min(weights[0] + b->worst[0][t], weights[1] + b->worst[1][t]),
+                                weights[2] + b->worst[2][t]);
+        const vm hides = vm_below(vm_not_above(vf_splat(0), least), end, before);
+        const uint32_t bits = vm_bits(enters);
+        vf far = vf_pick(hides, end, before), sheet_end;
+        uint32_t hiding = vm_bits(hides);
+        int32_t *counts = cover->counts + cell;
+        store_window_i(counts, stride, i,
+                       vm_add(enters, load_window_i(counts, stride, i), vi_splat(1)));
+        if (with_sheets && bits) {
+            const vm closed = add_to_sheets(b, t, enters, at, weights, begin, end, &cover->sheets,
+                                            cell, stride, i, &sheet_end);
+            far = vf_pick(closed, vf_min(sheet_end, far), far);
+            hiding |= vm_bits(closed);
+        }
+        if (hiding) {
+            store_window(cover->far + cell, stride, i, far);
+            cover->is_nearer = true;
+        }
+        cover->unsorted.count +=
+            append_entries(&cover->unsorted, cover->unsorted.count, b->numbers[t],
+                           corner + vi_load(cover->lane_cells + i), bits, begin);
+    }
 }
 
-/* True if all cells of all blocks that a triangle reaches hide it. */
-static inline bool is_hidden(const shb_list_cover *cover, const list_blocks *blocks,
-                             float nearest) {
+static inline list_cells cells_of_box(const shb_list_cover *cover, const shb_list_box *box) {
+    const int bits = cover->cell_bits;
+    return (list_cells){first_cell(box->first_column, cover->column, bits),
+                        last_cell(box->last_column, cover->column, bits),
+                        first_cell(box->first_row, cover->row, bits),
+                        last_cell(box->last_row, cover->row, bits)};
+}
+
+/* The blocks in which the windows of a row begin that together hold a triangle's columns. */
+static inline uint32_t blocks_of(const list_cells *cells) {
+    const uint32_t first = cells->first_column / SHB_LIST_BLOCK;
+    const uint32_t last = first + (cells->last_column - cells->first_column) / SHB_LIST_BLOCK;
+    return (2u << last) - (1u << first);
+}
+
+/* True if all cells of all windows that hold a triangle hide it. */
+static inline bool is_hidden(const shb_list_cover *cover, const list_cells *cells, float nearest) {
     uint32_t open = 0;
-    for (uint32_t row = blocks->first_row; row <= blocks->last_row; row++)
-        open |= open_blocks(cover, row, nearest);
-    return !(open & blocks->columns);
+    for (uint32_t row = cells->first_row; row <= cells->last_row; row += SHB_LIST_BLOCK)
+        open |= open_blocks(cover, row / SHB_LIST_BLOCK, nearest);
+    return !(open & blocks_of(cells));
 }
 
-static inline void cover_blocks(shb_list_cover *cover, bool with_sheets, const list_blocks *blocks,
-                                bool hides, uint32_t number, const cell_functions *f) {
-    SHB_ALIGN float begins[LIST_LANES];
-    size_t count = cover->entries.count;
-    for (uint32_t row = blocks->first_row; row <= blocks->last_row; row++) {
-        uint32_t open = blocks->columns;
-        if (hides)
-            open &= open_blocks(cover, row, f->nearest);
+/* Windows of a row, one bit for the block in which each begins, that the triangle may meet before
+ * all their cells hide it. */
+static inline uint32_t open_windows(const shb_list_cover *cover, const list_batch *b, int t,
+                                    uint32_t row, uint32_t phase) {
+    static const SHB_ALIGN float numbers[SHB_LIST_BLOCKS] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                             8, 9, 10, 11, 12, 13, 14, 15};
+    const float size = (float)(1 << cover->cell_bits);
+    const float top = (float)(int32_t)(row << cover->cell_bits),
+                left = (float)(int32_t)phase * size;
+    const float *farthest = cover->farthest + (size_t)(row / SHB_LIST_BLOCK) * SHB_LIST_BLOCKS;
+    const float slope_x = b->slope_x[t], slope_y = b->slope_y[t];
+    const float nearest =
+        (slope_y * top + b->begin[t]) + 3 * size * (list_minf(slope_x, 0) + list_minf(slope_y, 0));
+    uint32_t open = 0;
+    for (int i = 0; i < SHB_LIST_BLOCKS; i += WIDE) {
+        const vf x = left + (SHB_LIST_BLOCK * size) * vf_load(numbers + i);
+        vf weights[3];
+        for (int k = 0; k < 3; k++)
+            weights[k] = b->x[k][t] * x + ((b->y[k][t] * top + b->best[k][t]) + 3 * b->more[k][t]);
+        const vf most = vf_min(vf_min(weights[0], weights[1]), weights[2]);
+        const vm meets = vm_not_above(vf_splat(0), most);
+        open |= vm_bits(vm_and(meets, vm_not_above(slope_x * x + nearest, vf_load(farthest + i))))
+                << i;
+    }
+    return open;
+}
+
+/* The windows begin at the triangle's first cell, so that most triangles need one. */
+static inline __attribute__((always_inline)) void
+cover_windows(shb_list_cover *cover, bool with_sheets, const list_batch *b, int t) {
+    const list_cells *cells = &b->cells[t];
+    const uint32_t blocks = blocks_of(cells), phase = cells->first_column % SHB_LIST_BLOCK;
+    for (uint32_t row = cells->first_row; row <= cells->last_row; row += SHB_LIST_BLOCK) {
+        uint32_t open = blocks;
+        if (blocks & (blocks - 1))
+            open &= open_windows(cover, b, t, row, phase);
         for (; open; open &= open - 1) {
-            const uint32_t column = (uint32_t)__builtin_ctz(open);
-            const uint32_t block = row * (SHB_LIST_BLOCKS >> cover->cell_bits) + column;
-            const uint32_t cell = block * LIST_LANES;
-            const uint32_t bits = cover_block(cover, with_sheets, f, column, row,
-                                              &cover->blocks[block], &cover->sheets[block], begins);
-            count += append_entries(&cover->entries, count, number, cell, bits, begins);
+            const uint32_t block = (uint32_t)__builtin_ctz(open);
+            cover_window(cover, with_sheets, block * SHB_LIST_BLOCK + phase, row, b, t);
         }
     }
-    cover->entries.count = count;
 }
 
-/* Finds how far the cells of each block let triangles be seen; true if some block hides any. */
-static bool find_farthest(shb_list_cover *cover) {
-    const uint32_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
-    bool hides = false;
-    for (uint32_t row = 0; row < blocks; row++)
-        for (uint32_t column = 0; column < blocks; column++) {
-            const float farthest = largest_of_block(cover->blocks[row * blocks + column].far);
-            cover->farthest[row * SHB_LIST_BLOCKS + column] = farthest;
-            hides |= farthest < HUGE_VALF;
-        }
-    return hides;
+/* Puts a batch into the cells. False: no room for all the entries. */
+static inline __attribute__((always_inline)) bool cover_batch(shb_list_cover *cover,
+                                                              bool with_sheets, list_batch *b) {
+    const size_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
+    const size_t room = (blocks * blocks + 1) * LIST_LANES; /* for one triangle */
+    if (b->count == 0)
+        return true;
+    put_functions(cover, with_sheets, b);
+    for (int t = 0; t < b->count; t++) {
+        if (cover->unsorted.capacity - cover->unsorted.count < room)
+            return false;
+        cover_windows(cover, with_sheets, b, t);
+    }
+    b->count = 0;
+    return true;
+}
+
+/* The largest of each four rows and columns from a place on. */
+static inline void find_farthest_of_row(const float *far, size_t stride, size_t blocks,
+                                        float out[SHB_LIST_BLOCKS + 1]) {
+    float most[SHB_LIST_TILE];
+    for (size_t i = 0; i < blocks * SHB_LIST_BLOCK; i++)
+        most[i] = list_maxf(list_maxf(far[i], far[i + stride]),
+                            list_maxf(far[i + 2 * stride], far[i + 3 * stride]));
+    for (size_t i = 0; i < blocks; i++)
+        out[i] = list_maxf(list_maxf(most[4 * i], most[4 * i + 1]),
+                           list_maxf(most[4 * i + 2], most[4 * i + 3]));
+    for (size_t i = blocks; i <= SHB_LIST_BLOCKS; i++)
+        out[i] = -HUGE_VALF;
+}
+
+/* Finds how far the cells of windows that begin in each block let triangles be seen. */
+static void find_farthest(shb_list_cover *cover) {
+    const size_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
+    const size_t stride = blocks * SHB_LIST_BLOCK + SHB_LIST_BLOCK;
+    float rows[2][SHB_LIST_BLOCKS + 1];
+    for (size_t i = 0; i <= SHB_LIST_BLOCKS; i++)
+        rows[blocks & 1][i] = -HUGE_VALF;
+    for (size_t row = blocks; row-- > 0;) {
+        float *here = rows[row & 1];
+        const float *below = rows[~row & 1];
+        float *farthest = cover->farthest + row * SHB_LIST_BLOCKS;
+        find_farthest_of_row(cover->far + row * SHB_LIST_BLOCK * stride, stride, blocks, here);
+        for (size_t i = 0; i < SHB_LIST_BLOCKS; i++)
+            farthest[i] =
+                list_maxf(list_maxf(here[i], here[i + 1]), list_maxf(below[i], below[i + 1]));
+    }
 }
 
 /* LIST_AHEAD: triangles that are fetched before they are used; LIST_SPELL: triangles after which
  * blocks are looked at anew. */
-enum { LIST_AHEAD = 8, LIST_SPELL = 128 };
+enum { LIST_AHEAD = 12, LIST_SPELL = 64 };
 
 static inline void fetch_covered(const shb_list_cover *cover, uint32_t number) {
     __builtin_prefetch(&cover->triangles[number]);
@@ -329,27 +487,101 @@ static inline void fetch_covered(const shb_list_cover *cover, uint32_t number) {
         __builtin_prefetch(&cover->outlines[number]);
 }
 
-static inline bool cover_by(shb_list_cover *cover, bool with_sheets) {
-    const size_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
-    const size_t room = (blocks * blocks + 1) * LIST_LANES; /* for one triangle */
+/* Nothing enters the rim of cells that windows reach beyond the tile. */
+static void empty_cells(shb_list_cover *cover) {
+    const size_t side = SHB_LIST_TILE >> cover->cell_bits, stride = side + SHB_LIST_BLOCK;
+    cover->unsorted.count = 0;
+    cover->is_nearer = false;
+    for (int i = 0; i < LIST_LANES; i++)
+        cover->lane_cells[i] = i / 4 * (int32_t)side + i % 4;
+    memset(cover->counts, 0, stride * stride * sizeof *cover->counts);
+    for (size_t row = 0; row < stride; row++)
+        for (size_t i = 0; i < stride; i++)
+            cover->far[row * stride + i] = row < side && i < side ? HUGE_VALF : -HUGE_VALF;
+    for (size_t i = 0; i < SHB_LIST_BLOCKS * SHB_LIST_BLOCKS; i++)
+        cover->farthest[i] = HUGE_VALF;
+    if (!cover->with_sheets)
+        return;
+    shb_list_sheets *sheets = &cover->sheets;
+    memset(sheets->sums[0], 0, stride * stride * sizeof *sheets->sums[0]);
+    memset(sheets->sums[1], 0, stride * stride * sizeof *sheets->sums[1]);
+    for (size_t i = 0; i < stride * stride; i++) {
+        sheets->begins[i] = HUGE_VALF;
+        sheets->ends[i] = -HUGE_VALF;
+        sheets->behind[i] = HUGE_VALF;
+    }
+}
+
+/* What sheets.h says of the cells. */
+static void put_bounds(shb_list_cover *cover) {
+    const size_t side = SHB_LIST_TILE >> cover->cell_bits, stride = side + SHB_LIST_BLOCK;
+    const shb_list_sheets *sheets = &cover->sheets;
+    for (size_t row = 0; row < side; row++) {
+        const size_t at = row * stride;
+        const float *restrict far = cover->far + at, *restrict ends = sheets->ends + at;
+        const float *restrict behind = sheets->behind + at;
+        const int32_t *restrict sum_0 = sheets->sums[0] + at, *restrict sum_1 =
+                                                                  sheets->sums[1] + at;
+        uint32_t bits[SHB_LIST_TILE];
+        memcpy(bits, far, side * sizeof *bits);
+        for (size_t i = 0; i < side; i++) {
+            const int is_whole = (sum_0[i] == (int32_t)SHB_LIST_SHEET_0) &
+                                 (sum_1[i] == (int32_t)SHB_LIST_SHEET_1) & (ends[i] <= far[i]) &
+                                 (far[i] < behind[i]);
+            bits[i] = (bits[i] & ~1u) | (uint32_t)is_whole;
+        }
+        memcpy(cover->bounds + row * side, bits, side * sizeof *bits);
+    }
+}
+
+/* Entries from the order of triangles to that of cells. */
+static void sort_entries(shb_list_cover *cover) {
+    const size_t side = SHB_LIST_TILE >> cover->cell_bits, stride = side + SHB_LIST_BLOCK;
+    const shb_list_unsorted *made = &cover->unsorted;
+    uint32_t next[SHB_LIST_TILE * SHB_LIST_TILE], sum = 0;
+    for (size_t row = 0; row < side; row++)
+        for (size_t i = 0; i < side; i++) {
+            cover->cells[row * side + i] = (shb_list_cell){sum, cover->far[row * stride + i]};
+            next[row * side + i] = sum;
+            sum += (uint32_t)cover->counts[row * stride + i];
+        }
+    cover->cells[side * side] = (shb_list_cell){.start = sum};
+    for (size_t i = 0; i < made->count; i++)
+        cover->entries[next[made->cells[i]]++] =
+            (shb_list_entry){made->triangles[i], made->begins[i]};
+}
+
+static inline __attribute__((always_inline)) bool cover_by(shb_list_cover *cover,
+                                                           bool with_sheets) {
+    list_batch batch;
     bool hides = false;
+    batch.count = 0;
+    empty_cells(cover);
     for (size_t k = 0; k < cover->count; k++) {
         if (k + LIST_AHEAD < cover->count)
             fetch_covered(cover, (uint32_t)cover->keys[k + LIST_AHEAD]);
-        if (cover->entries.capacity - cover->entries.count < room)
-            return false;
-        if (k % LIST_SPELL == LIST_SPELL - 1)
-            hides = find_farthest(cover);
+        if (k % LIST_SPELL == LIST_SPELL - 1 && cover->is_nearer) {
+            find_farthest(cover);
+            cover->is_nearer = false;
+            hides = true;
+        }
         const uint32_t number = (uint32_t)cover->keys[k];
         const float nearest =
             (float)shb_list_level_depth(cover->frame, (double)(cover->keys[k] >> 32));
-        const list_blocks reached = blocks_of(cover, &cover->boxes[number]);
-        if (hides && is_hidden(cover, &reached, nearest))
+        const list_cells cells = cells_of_box(cover, &cover->boxes[number]);
+        if (hides && is_hidden(cover, &cells, nearest))
             continue;
-        cell_functions f;
-        put_cell_functions(cover, with_sheets, number, nearest, &f);
-        cover_blocks(cover, with_sheets, &reached, hides, number, &f);
+        batch.numbers[batch.count] = number;
+        batch.nearest[batch.count] = nearest;
+        batch.cells[batch.count++] = cells;
+        if (batch.count == LIST_LANES && !cover_batch(cover, with_sheets, &batch))
+            return false;
     }
+    if (!cover_batch(cover, with_sheets, &batch))
+        return false;
+    sort_entries(cover);
+    if (with_sheets)
+        put_bounds(cover);
     return true;
 }
 

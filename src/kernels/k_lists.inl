@@ -22,9 +22,6 @@
 
 enum { LIST_LANES = SHB_LIST_LANES };
 
-/* More than corners are off by in the map where outlines are known, texels. */
-#define LIST_CORNER 0x1p-10
-
 /* A bound of a depth in float, not below the value. */
 #define ROUNDED_UP(value) ((float)((value) * (1 + 0x1p-22)))
 
@@ -94,7 +91,7 @@ typedef struct list_spread {
 
 static void bound_triangles(const shb_list_frame *frame, const shb_list_corners *restrict c,
                             list_spread *restrict spread, prepared *restrict out) {
-    const double width = frame->width, height = frame->height;
+    const double width = frame->width, height = frame->height, rim = frame->rim;
     const double *e = frame->errors;
     for (int i = 0; i < LIST_LANES; i++) {
         const double inverse =
@@ -116,12 +113,13 @@ static void bound_triangles(const shb_list_frame *frame, const shb_list_corners 
         spread->z[i] = z;
         spread->width[i] = hi_x - lo_x + 1;
         spread->height[i] = hi_y - lo_y + 1;
-        const int seen = (hi_x + 4 * x >= 0) & (lo_x - 4 * x <= width) & (hi_y + 4 * y >= 0) &
-                         (lo_y - 4 * y <= height);
-        out->first_column[i] = (int32_t)list_min(list_max(lo_x - 4 * x, 0), width - 1);
-        out->last_column[i] = (int32_t)list_min(list_max(hi_x + 4 * x, 0), width - 1);
-        out->first_row[i] = seen ? (int32_t)list_min(list_max(lo_y - 4 * y, 0), height - 1) : 1;
-        out->last_row[i] = seen ? (int32_t)list_min(list_max(hi_y + 4 * y, 0), height - 1) : 0;
+        const double left = lo_x - (4 * x + rim), right = hi_x + (4 * x + rim);
+        const double top = lo_y - (4 * y + rim), bottom = hi_y + (4 * y + rim);
+        const int seen = (right >= 0) & (left <= width) & (bottom >= 0) & (top <= height);
+        out->first_column[i] = (int32_t)list_min(list_max(left, 0), width - 1);
+        out->last_column[i] = (int32_t)list_min(list_max(right, 0), width - 1);
+        out->first_row[i] = seen ? (int32_t)list_min(list_max(top, 0), height - 1) : 1;
+        out->last_row[i] = seen ? (int32_t)list_min(list_max(bottom, 0), height - 1) : 0;
         const double rounded = (frame->rounding_z + far_z * frame->rounding_w) * inverse;
         const double level = ((lo_z - 4 * z - rounded) - frame->level_origin) * frame->levels;
         out->level[i] = (int32_t)list_min(list_max(level, 0), SHB_LIST_LEVELS - 1);
@@ -175,7 +173,8 @@ static void prepare_planes(const shb_list_frame *frame, const shb_list_corners *
         out->bound[i] = known ? ROUNDED_UP(bound) : HUGE_VALF;
         out->clear[i] = known ? ROUNDED_UP(clear) : HUGE_VALF;
         const double steep = fabs(slope_x) + fabs(slope_y);
-        out->is_known[i] = known & (margin < 0x1p-1) & (spread->x[i] + spread->y[i] < LIST_CORNER) &
+        out->is_known[i] = known & (margin < 0x1p-1) &
+                           (spread->x[i] + spread->y[i] < SHB_LIST_CORNER) &
                            (steep * SHB_SIZE_MAX + fabs(one) < 0x1p100);
         out->turned[i] = area < 0 ? ~(uint64_t)0 : 0;
         const int usable = margin < 0x1p90;
@@ -214,27 +213,6 @@ static void name_edges(const uint64_t *names, const uint32_t *const corners[LIST
     }
 }
 
-/* Four lanes of four rows of words to four outlines, from a word of theirs on. */
-static inline void put_words(const uint32_t *a, const uint32_t *b, const uint32_t *c,
-                             const uint32_t *d, size_t word, shb_list_outline *outlines) {
-    typedef uint32_t list_u4 __attribute__((vector_size(16)));
-    list_u4 rows[4], out[4];
-    memcpy(&rows[0], a, sizeof rows[0]);
-    memcpy(&rows[1], b, sizeof rows[1]);
-    memcpy(&rows[2], c, sizeof rows[2]);
-    memcpy(&rows[3], d, sizeof rows[3]);
-    const list_u4 ab_0 = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5);
-    const list_u4 ab_1 = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7);
-    const list_u4 cd_0 = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5);
-    const list_u4 cd_1 = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
-    out[0] = __builtin_shufflevector(ab_0, cd_0, 0, 1, 4, 5);
-    out[1] = __builtin_shufflevector(ab_0, cd_0, 2, 3, 6, 7);
-    out[2] = __builtin_shufflevector(ab_1, cd_1, 0, 1, 4, 5);
-    out[3] = __builtin_shufflevector(ab_1, cd_1, 2, 3, 6, 7);
-    for (int i = 0; i < 4; i++)
-        memcpy((char *)&outlines[i] + 4 * word, &out[i], sizeof out[i]);
-}
-
 static void put_outlines(const uint64_t *names, const uint32_t *const corners[LIST_LANES],
                          const shb_list_corners *restrict c, const prepared *made,
                          shb_list_outline *outlines) {
@@ -252,10 +230,13 @@ static void put_outlines(const uint64_t *names, const uint32_t *const corners[LI
     memcpy(words, places, sizeof places);
     memcpy(words[12], made->is_known, sizeof made->is_known);
     memset(words[13], 0, 3 * sizeof words[13]);
-    for (int i = 0; i < LIST_LANES; i += 4)
-        for (int w = 0; w < 16; w += 4)
-            put_words(words[w] + i, words[w + 1] + i, words[w + 2] + i, words[w + 3] + i, (size_t)w,
-                      outlines + i);
+    for (int i = 0; i < LIST_LANES; i += WIDE)
+        for (int w = 0; w < 16; w += 4) {
+            vf four[4];
+            for (int k = 0; k < 4; k++)
+                memcpy(&four[k], words[w + k] + i, sizeof four[k]);
+            vf_write_quads((char *)(outlines + i) + 4 * w, sizeof *outlines, four);
+        }
 }
 
 static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_vertex *vertices,

@@ -189,7 +189,7 @@ static void sample_pyramid(const shb_moment_pyramid *pyramid, const shb_map_info
 static inline ALWAYS_INLINE void write_boxes(int moments, const wide_moments *from, size_t count,
                                              float *boxes) {
     if (moments == 4 && count == WIDE) {
-        vf_write_quads(boxes, from->at);
+        vf_write_quads(boxes, 4 * sizeof *boxes, from->at);
         return;
     }
     for (int m = 0; m < moments; m++)

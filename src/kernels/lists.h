@@ -24,6 +24,9 @@ typedef struct shb_list_vertex {
  * by sheets, texels. */
 #define SHB_LIST_POINT_MARGIN 0x1p-8
 
+/* More than corners are off by in the map where outlines are known, texels. */
+#define SHB_LIST_CORNER 0x1p-10
+
 /* A triangle's outline in the map, as the light sees it, for the proof that triangles together
  * cover a cell (k_list_sheet.inl). Edge k lies opposite to corner k. */
 typedef struct shb_list_outline {
@@ -58,18 +61,21 @@ typedef struct shb_list_entry {
 /* Blocks of a tile's side where cells are single texels. */
 #define SHB_LIST_BLOCKS (SHB_LIST_TILE / SHB_LIST_BLOCK)
 
-typedef struct shb_list_block {
-    SHB_ALIGN float far[SHB_LIST_LANES]; /* behind it all of a cell is in shadow */
-    int32_t counts[SHB_LIST_LANES];      /* of a cell's entries */
-} shb_list_block;
+/* A tile's cells while triangles are put into them, and a rim that vectors may reach. */
+#define SHB_LIST_CELLS_MAX ((SHB_LIST_TILE + SHB_LIST_BLOCK) * (SHB_LIST_TILE + SHB_LIST_BLOCK))
 
-/* The sheets that are being made in a block's cells. */
+/* The sheets that are being made in cells. */
 typedef struct shb_list_sheets {
-    SHB_ALIGN float begins[SHB_LIST_LANES];
-    float ends[SHB_LIST_LANES];
-    int32_t sums[2][SHB_LIST_LANES]; /* of edges and samples */
-    float behind[SHB_LIST_LANES];    /* where those begin that were made before */
+    float begins[SHB_LIST_CELLS_MAX], ends[SHB_LIST_CELLS_MAX];
+    int32_t sums[2][SHB_LIST_CELLS_MAX]; /* of edges and samples */
+    float behind[SHB_LIST_CELLS_MAX];    /* where those begin that were made before */
 } shb_list_sheets;
+
+/* A cell of a tile. */
+typedef struct shb_list_cell {
+    uint32_t start; /* of its entries, among the tile's; the next cell's is their end */
+    float far;      /* points of the scene behind it are in shadow */
+} shb_list_cell;
 
 /* Entries in the order of triangles, and the cell of each. */
 typedef struct shb_list_unsorted {
@@ -78,8 +84,8 @@ typedef struct shb_list_unsorted {
     size_t count, capacity;
 } shb_list_unsorted;
 
-/* One tile while triangles are put into its cells. Cells are kept block by block, row by row in
- * both. */
+/* One tile while triangles are put into its cells, which are kept row by row, with a rim of
+ * SHB_LIST_BLOCK cells behind rows and behind the last one. */
 typedef struct shb_list_cover {
     const shb_list_triangle *triangles;
     const shb_list_frame *frame;
@@ -90,11 +96,18 @@ typedef struct shb_list_cover {
     uint32_t column, row; /* of the tile's first texel */
     int cell_bits;        /* cells are squares of 2^cell_bits texels */
     bool with_sheets;     /* outlines are there, and the cells' sheets are wanted */
-    shb_list_block blocks[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS];
-    shb_list_sheets sheets[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS]; /* with_sheets */
-    float farthest[SHB_LIST_BLOCKS *
-                   SHB_LIST_BLOCKS]; /* of the cells of each, SHB_LIST_BLOCKS a row */
-    shb_list_unsorted entries;
+    shb_list_unsorted unsorted;
+    float far[SHB_LIST_CELLS_MAX];                     /* behind it all of a cell is in shadow */
+    int32_t counts[SHB_LIST_CELLS_MAX];                /* of a cell's entries */
+    shb_list_sheets sheets;                            /* with_sheets */
+    float farthest[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS]; /* of the cells of windows that begin in each
+                                                          block, SHB_LIST_BLOCKS a row */
+    bool is_nearer;                                    /* some cells have become so since */
+    int32_t lane_cells[SHB_LIST_LANES];                /* of a window, from its first one on */
+    /* what is made, without the rim */
+    shb_list_cell *cells;                        /* and one for the end */
+    shb_list_entry *entries;                     /* as many as unsorted ones */
+    float bounds[SHB_LIST_TILE * SHB_LIST_TILE]; /* with_sheets: of cells */
 } shb_list_cover;
 
 /* Points that ask at the same time, as the light sees them. */

@@ -171,7 +171,7 @@ static inline vf vf_gather(const float *base, vi index) {
 #endif
 
 /* vf_read_quads: four floats from each place on, the first ones into out[0] and so on.
- * vf_write_quads: the reverse, one quad after the other. */
+ * vf_write_quads: the reverse, a stride in bytes from one quad to the next. */
 #if defined(__x86_64__) && WIDE >= 4
 #if WIDE == 16
 #define UNPACK(part, a, b) _mm512_unpack##part##_ps(a, b)
@@ -214,12 +214,12 @@ static inline void vf_read_quads(const float *base, vu begin, vf out[4]) {
                         read_every_fourth(base, begin, 2), read_every_fourth(base, begin, 3)};
     turn_quads(rows, out);
 }
-static inline void vf_write_quads(float *to, const vf in[4]) {
+static inline void vf_write_quads(void *to, size_t stride, const vf in[4]) {
     vf columns[4];
     turn_quads(in, columns);
-    for (int i = 0; i < 4; i++)
-        for (int part = 0; part < WIDE / 4; part++)
-            memcpy(to + 4 * (4 * part + i), (const char *)&columns[i] + 16 * part, 16);
+    for (size_t i = 0; i < 4; i++)
+        for (size_t part = 0; part < WIDE / 4; part++)
+            memcpy((char *)to + (4 * part + i) * stride, (const char *)&columns[i] + 16 * part, 16);
 }
 #else
 static inline void vf_read_quads(const float *base, vu begin, vf out[4]) {
@@ -230,10 +230,11 @@ static inline void vf_read_quads(const float *base, vu begin, vf out[4]) {
         out[k] = numbers;
     }
 }
-static inline void vf_write_quads(float *to, const vf in[4]) {
-    for (int i = 0; i < WIDE; i++)
-        for (int k = 0; k < 4; k++)
-            to[4 * i + k] = in[k][i];
+static inline void vf_write_quads(void *to, size_t stride, const vf in[4]) {
+    for (size_t i = 0; i < WIDE; i++) {
+        const float lane[4] = {in[0][i], in[1][i], in[2][i], in[3][i]};
+        memcpy((char *)to + i * stride, lane, sizeof lane);
+    }
 }
 #endif
 
