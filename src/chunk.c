@@ -92,8 +92,8 @@ static void find_corners(const shb_chunk *chunk, uint32_t i, uint32_t corners[3]
     if (chunk->vertices)
         shb_mesh_triangle(chunk->instance->mesh, chunk->first + i, corners);
     else
-        for (int k = 0; k < 3; k++)
-            corners[k] = chunk->cluster.corners[i][k];
+        for (uint32_t k = 0; k < 3; k++)
+            corners[k] = chunk->cluster.corners[shb_corner_place(i, k)];
 }
 
 /* Prepares the triangles of a chunk that the kernels leave out. */

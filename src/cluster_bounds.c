@@ -60,14 +60,14 @@ static void bound_box(const float *positions, shb_cluster *cluster) {
 
 /* The facets of all triangles without two equal corners; false if the normal of one is not known.
  */
-static bool find_facets(const float *positions, const uint8_t (*corners)[3],
-                        const shb_cluster *cluster, facet facets[SHB_CHUNK], uint32_t *count) {
+static bool find_facets(const float *positions, const uint8_t *corners, const shb_cluster *cluster,
+                        facet facets[SHB_CHUNK], uint32_t *count) {
     const size_t places = shb_cluster_places(cluster->vertex_count);
     *count = 0;
     for (uint32_t t = 0; t < cluster->triangle_count; t++) {
         shb_vec3 p[3];
-        for (int k = 0; k < 3; k++)
-            p[k] = position_of(positions, places, corners[t][k]);
+        for (uint32_t k = 0; k < 3; k++)
+            p[k] = position_of(positions, places, corners[shb_corner_place(t, k)]);
         if (are_equal(p[0], p[1]) || are_equal(p[1], p[2]) || are_equal(p[2], p[0]))
             continue;
         if (!find_facet(p, &facets[(*count)++]))
@@ -105,8 +105,7 @@ static void bound_by_cone(const facet *facets, uint32_t count, shb_cluster *clus
     cluster->cosine = (float)cosine;
 }
 
-static void bound_normals(const float *positions, const uint8_t (*corners)[3],
-                          shb_cluster *cluster) {
+static void bound_normals(const float *positions, const uint8_t *corners, shb_cluster *cluster) {
     facet facets[SHB_CHUNK];
     uint32_t count;
     cluster->cosine = -1;
@@ -121,7 +120,7 @@ static void bound_normals(const float *positions, const uint8_t (*corners)[3],
     bound_by_cone(facets, count, cluster);
 }
 
-void shb_cluster_bound(const float *positions, const uint8_t (*corners)[3], shb_cluster *cluster) {
+void shb_cluster_bound(const float *positions, const uint8_t *corners, shb_cluster *cluster) {
     bound_box(positions, cluster);
     bound_normals(positions, corners, cluster);
 }

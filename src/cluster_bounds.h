@@ -6,6 +6,6 @@
 
 /* Fills in boxes, cone and height of a cluster whose counts are known; positions: all x of its
  * vertices, then, places on, all y and all z. */
-void shb_cluster_bound(const float *positions, const uint8_t (*corners)[3], shb_cluster *cluster);
+void shb_cluster_bound(const float *positions, const uint8_t *corners, shb_cluster *cluster);
 
 #endif

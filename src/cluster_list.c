@@ -28,7 +28,7 @@ static shb_chunk chunk_of(const shb_draw_instance *instance, const shb_cluster *
         .triangles = clusters->triangles + cluster->first_triangle,
         .count = cluster->triangle_count,
         .cluster = {.positions = clusters->positions + 3 * cluster->first_vertex,
-                    .corners = (const uint8_t(*)[3])clusters->corners + cluster->first_triangle,
+                    .corners = clusters->corners + cluster->first_corner,
                     .vertex_count = cluster->vertex_count,
                     .places = (uint32_t)shb_cluster_places(cluster->vertex_count)},
     };

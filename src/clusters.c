@@ -18,7 +18,7 @@ typedef struct gathering {
     uint32_t next;         /* triangle in the order */
     uint32_t triangle_count, vertex_count;
     uint32_t triangles[SHB_CHUNK];
-    uint8_t corners[SHB_CHUNK][3];
+    uint8_t corners[3 * SHB_CHUNK];
     const float *vertices[SHB_CLUSTER_VERTICES + 3];
     uint16_t slots[1 << SLOT_BITS]; /* number of the vertex + 1 */
 } gathering;
@@ -56,8 +56,8 @@ static bool add_triangle(gathering *g) {
         g->vertex_count = before;
         return false;
     }
-    for (int k = 0; k < 3; k++)
-        g->corners[g->triangle_count][k] = (uint8_t)numbers[k];
+    for (uint32_t k = 0; k < 3; k++)
+        g->corners[shb_corner_place(g->triangle_count, k)] = (uint8_t)numbers[k];
     g->triangles[g->triangle_count++] = triangle;
     g->next++;
     return true;
@@ -67,18 +67,25 @@ static bool add_triangle(gathering *g) {
 static bool gather(gathering *g) {
     g->triangle_count = g->vertex_count = 0;
     memset(g->slots, 0, sizeof g->slots);
+    memset(g->corners, 0, sizeof g->corners);
     while (g->triangle_count < SHB_CHUNK && g->next < g->mesh->triangle_count && add_triangle(g))
         continue;
     return g->triangle_count > 0;
 }
 
-/* How many clusters there will be, and places for vertices. */
-static size_t count_clusters(const shb_mesh *mesh, const uint32_t *order, size_t *places) {
+/* Clusters of a mesh, places for their vertices and for their corners. */
+typedef struct cluster_room {
+    size_t count, places, corners;
+} cluster_room;
+
+static cluster_room count_clusters(const shb_mesh *mesh, const uint32_t *order) {
     gathering g = {.mesh = mesh, .order = order};
-    size_t count = 0;
-    for (*places = 0; gather(&g); count++)
-        *places += shb_cluster_places(g.vertex_count);
-    return count;
+    cluster_room room = {0};
+    for (; gather(&g); room.count++) {
+        room.places += shb_cluster_places(g.vertex_count);
+        room.corners += shb_corner_places(g.triangle_count);
+    }
+    return room;
 }
 
 /* What is left of the places repeats the first vertex. */
@@ -92,25 +99,27 @@ static void store_positions(const gathering *g, float *positions) {
 static void fill(const shb_mesh *mesh, const uint32_t *order, shb_clusters *clusters) {
     gathering g = {.mesh = mesh, .order = order};
     uint32_t triangle = 0;
-    uint64_t place = 0;
+    uint64_t place = 0, corner = 0;
     for (shb_cluster *cluster = clusters->clusters; gather(&g); cluster++) {
         *cluster = (shb_cluster){.first_triangle = triangle,
                                  .first_vertex = place,
+                                 .first_corner = corner,
                                  .triangle_count = (uint16_t)g.triangle_count,
                                  .vertex_count = (uint16_t)g.vertex_count};
         float *positions = clusters->positions + 3 * place;
         store_positions(&g, positions);
-        memcpy(clusters->corners + triangle, g.corners, g.triangle_count * sizeof *g.corners);
+        memcpy(clusters->corners + corner, g.corners, shb_corner_places(g.triangle_count));
         memcpy(clusters->triangles + triangle, g.triangles, g.triangle_count * sizeof *g.triangles);
-        shb_cluster_bound(positions, (const uint8_t(*)[3])clusters->corners + triangle, cluster);
+        shb_cluster_bound(positions, clusters->corners + corner, cluster);
         triangle += g.triangle_count;
         place += shb_cluster_places(g.vertex_count);
+        corner += shb_corner_places(g.triangle_count);
     }
 }
 
 /* Room for all clusters of the mesh; NULL: out of memory. */
-static shb_clusters *reserve(const shb_context *context, const shb_mesh *mesh, size_t count,
-                             size_t places) {
+static shb_clusters *reserve(const shb_context *context, const shb_mesh *mesh,
+                             const cluster_room *room) {
     shb_clusters *clusters = shb_alloc(context, 1, sizeof *clusters);
     if (!clusters)
         return NULL;
@@ -119,10 +128,10 @@ static shb_clusters *reserve(const shb_context *context, const shb_mesh *mesh, s
         .context = context,
         .vertex_count = mesh->vertex_count,
         .triangle_count = mesh->triangle_count,
-        .count = count,
-        .clusters = shb_alloc(context, count, sizeof *clusters->clusters),
-        .positions = shb_alloc(context, places, 3 * sizeof *clusters->positions),
-        .corners = shb_alloc(context, triangles, sizeof *clusters->corners),
+        .count = room->count,
+        .clusters = shb_alloc(context, room->count, sizeof *clusters->clusters),
+        .positions = shb_alloc(context, room->places, 3 * sizeof *clusters->positions),
+        .corners = shb_alloc(context, room->corners, sizeof *clusters->corners),
         .triangles = shb_alloc(context, triangles, sizeof *clusters->triangles),
     };
     if (clusters->clusters && clusters->positions && clusters->corners && clusters->triangles)
@@ -160,11 +169,10 @@ shb_result shb_clusters_create(shb_context *context, const shb_mesh *mesh,
     if (result)
         return result;
     uint32_t *order;
-    size_t places;
     shb_clusters *made = NULL;
     if (shb_cluster_order(context, mesh, &order)) {
-        const size_t count = count_clusters(mesh, order, &places);
-        made = reserve(context, mesh, count, places);
+        const cluster_room room = count_clusters(mesh, order);
+        made = reserve(context, mesh, &room);
         if (made)
             fill(mesh, order, made);
         shb_free(context, order);

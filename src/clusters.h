@@ -18,6 +18,7 @@ typedef struct shb_cluster {
     float cosine;                     /* of half its opening; 0 or less: there is no cone */
     uint32_t first_triangle;
     uint64_t first_vertex; /* a place */
+    uint64_t first_corner; /* the same of corners */
     uint16_t triangle_count, vertex_count;
 } shb_cluster;
 
@@ -26,14 +27,20 @@ struct shb_clusters {
     uint32_t vertex_count, triangle_count; /* of the mesh */
     size_t count;
     shb_cluster *clusters;
-    float *positions;      /* of each cluster all x, all y, all z: three for a place */
-    uint8_t (*corners)[3]; /* of each triangle, numbers in the cluster */
-    uint32_t *triangles;   /* their numbers in the mesh */
+    float *positions;    /* of each cluster all x, all y, all z: three for a place */
+    uint8_t *corners;    /* numbers in the cluster, see shb_corner_place */
+    uint32_t *triangles; /* their numbers in the mesh */
 };
 
 /* Places of the cluster's vertices. */
 static inline size_t shb_cluster_places(uint32_t vertex_count) {
     return (vertex_count + SHB_CLUSTER_PADDING - 1) / SHB_CLUSTER_PADDING * SHB_CLUSTER_PADDING;
+}
+
+/* Places of the triangles' corners. */
+static inline size_t shb_corner_places(uint32_t triangle_count) {
+    return 3 * ((triangle_count + SHB_CORNERS_TOGETHER - 1) / SHB_CORNERS_TOGETHER *
+                SHB_CORNERS_TOGETHER);
 }
 
 /* True if the clusters can be those of the mesh: it has as many vertices and triangles. */

@@ -62,11 +62,12 @@ static void check_complete(const shb_mesh *mesh, const shb_clusters *clusters) {
         for (uint32_t t = 0; t < cluster->triangle_count; t++) {
             const uint32_t number = clusters->triangles[cluster->first_triangle + t];
             found[number]++;
-            for (int k = 0; k < 3; k++) {
-                const uint32_t local = clusters->corners[cluster->first_triangle + t][k];
+            for (uint32_t k = 0; k < 3; k++) {
+                const uint32_t local =
+                    clusters->corners[cluster->first_corner + shb_corner_place(t, k)];
                 const uint32_t vertex =
-                    mesh->indices ? ((const uint32_t *)mesh->indices)[3 * number + (uint32_t)k]
-                                  : 3 * number + (uint32_t)k;
+                    mesh->indices ? ((const uint32_t *)mesh->indices)[3 * number + k]
+                                  : 3 * number + k;
                 for (size_t axis = 0; axis < 3; axis++) {
                     const float p = positions[axis * places + local];
                     right &= memcmp(&p, &mesh->positions[3 * vertex + axis], sizeof p) == 0;

@@ -195,17 +195,18 @@ draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
     }
 }
 
-static void find_ids(const shb_chunk *chunk, uint32_t ids[SHB_CHUNK]) {
+/* Of the chunk's triangles, or of those listed. */
+static void find_ids(const shb_chunk *chunk, int count, const int32_t *list,
+                     uint32_t ids[SHB_CHUNK]) {
     const uint32_t first = (uint32_t)chunk->instance->first_triangle;
-    for (uint32_t t = 0; t < chunk->count; t++)
-        ids[t] = first + triangle_of(chunk, t);
+    for (int i = 0; i < count; i++)
+        ids[i] = first + triangle_of(chunk, (uint32_t)(list ? list[i] : i));
 }
 
 /* Draws what has been looked at. */
-static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const corner_list *list,
-                         const chunk_corners *corners, const chunk_boxes *boxes,
-                         chunk_planes *planes) {
-    const int count = list->count;
+static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, int count,
+                         const int32_t *list, const chunk_corners *corners,
+                         const chunk_boxes *boxes, chunk_planes *planes) {
     tiny_samples samples;
     uint8_t classes[SHB_CHUNK];
     uint32_t ids[SHB_CHUNK];
@@ -215,7 +216,7 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const cor
         sample_tiny(count, planes, &samples);
     const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0);
     if (layers & LAYER_IDS)
-        find_ids(chunk, ids);
+        find_ids(chunk, count, list, ids);
     else
         memset(ids, 0, sizeof ids);
     switch (layers) {
@@ -230,10 +231,51 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, const cor
     }
 }
 
+/* The part of the cluster's box that lies in the tile. */
+static sample_rectangle clip_cluster(const shb_tile *tile, const shb_seen_cluster *cluster) {
+    const shb_samples *samples = &cluster->samples;
+    return (sample_rectangle){
+        MAX(samples->first_column, tile->x0), MAX(samples->first_row, tile->y0),
+        MIN(samples->last_column + 1, tile->right), MIN(samples->last_row + 1, tile->y1)};
+}
+
+/* False, and nothing is drawn, if the cluster is too large in the target. */
+static bool draw_pairs(const shb_chunk *chunk, const shb_tile *tile, bool hidden, uint32_t *own) {
+    placed_cluster placed;
+    kept_pairs kept;
+    chunk_corners corners;
+    chunk_boxes boxes;
+    chunk_planes planes;
+    if (!place_cluster(chunk, &placed))
+        return false;
+    if (!keep_pairs(chunk, tile, &placed, &kept))
+        return false;
+    *own = kept.own;
+    if (hidden || kept.count == 0)
+        return true;
+    const sample_rectangle reached = clip_cluster(tile, &chunk->cluster);
+    clear_reached(tile, &reached);
+    expand_pairs(&placed, &kept, &boxes, &planes);
+    fetch_kept(chunk->cluster.corners, &kept, placed.vertices, &corners);
+    draw_corners(chunk, tile, kept.count, kept.triangle, &corners, &boxes, &planes);
+    return true;
+}
+
+/* True if the cluster's vertices are all usable and may be near enough to each other for pairs. */
+static bool suits_pairs(const shb_seen_cluster *cluster) {
+    const shb_samples *samples = &cluster->samples;
+    return !cluster->may_be_coded && samples->last_column - samples->first_column < 256 &&
+           samples->last_row - samples->first_row < 256;
+}
+
 static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     const bool hidden = !chunk->vertices && is_cluster_hidden(tile, &chunk->cluster);
     if (hidden && !tile->counts)
         return 0;
+    uint32_t own_of_pairs;
+    if (!chunk->vertices && suits_pairs(&chunk->cluster) &&
+        draw_pairs(chunk, tile, hidden, &own_of_pairs))
+        return own_of_pairs;
     shb_vertex local[SHB_CLUSTER_VERTICES];
     uint32_t listed[3 * SHB_CHUNK];
     chunk_corners corners;
@@ -242,7 +284,7 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     const corner_list list = {vertices_of(chunk, local), list_indices(chunk, listed),
                               (int)chunk->count};
     sample_rectangle reached = {tile->x0, tile->y0, tile->right, tile->y1};
-    fetch_corners(&list, &corners, &boxes);
+    fetch_snapped(&list, &boxes);
     if (look_at_corners(chunk->instance, &list, &reached, &boxes) == 0)
         return 0;
     const uint32_t own = count_own(list.count, tile, &boxes);
@@ -252,7 +294,8 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     if (drop_missed(list.count, &planes, &boxes) == 0)
         return own;
     clear_reached(tile, &reached);
-    draw_corners(chunk, tile, &list, &corners, &boxes, &planes);
+    fetch_corners(&list, &corners);
+    draw_corners(chunk, tile, list.count, NULL, &corners, &boxes, &planes);
     return own;
 }
 

@@ -68,11 +68,11 @@ static void repeat_last(int count, uint32_t *indices) {
     }
 }
 
-static void list_local(int count, const uint8_t (*restrict corners)[3],
+static void list_local(uint32_t count, const uint8_t *restrict corners,
                        uint32_t *restrict indices) {
-    const uint8_t *flat = corners[0];
-    for (int i = 0; i < 3 * count; i++)
-        indices[i] = flat[i];
+    for (uint32_t t = 0; t < count; t++)
+        for (uint32_t k = 0; k < 3; k++)
+            indices[3 * t + k] = corners[shb_corner_place(t, k)];
 }
 
 static void list_of_mesh(const shb_chunk *chunk, uint32_t *restrict indices) {
@@ -99,7 +99,7 @@ static const uint32_t *list_indices(const shb_chunk *chunk, uint32_t indices[3 *
     if (chunk->vertices)
         list_of_mesh(chunk, indices);
     else
-        list_local(count, chunk->cluster.corners, indices);
+        list_local(chunk->count, chunk->cluster.corners, indices);
     repeat_last(count, indices);
     return indices;
 }
@@ -119,16 +119,15 @@ static void fetch_snapped(const corner_list *list, chunk_boxes *boxes) {
     }
 }
 
-/* Transposes the corners of four triangles at a time, snapped ones, too. */
-static void fetch_corners(const corner_list *list, chunk_corners *restrict corners,
-                          chunk_boxes *restrict boxes) {
+/* Transposes the corners of four triangles at a time. */
+static void fetch_corners(const corner_list *list, chunk_corners *restrict corners) {
     const shb_vertex *const vertices = list->vertices;
     const uint32_t *at = list->indices;
     for (int t = 0, lanes = lanes_of(list->count); t < lanes; t += 4, at += 12)
         for (int k = 0; k < 3; k++)
             wide_transpose(&vertices[at[k]], &vertices[at[3 + k]], &vertices[at[6 + k]],
                            &vertices[at[9 + k]], &corners->x[k][t], &corners->y[k][t],
-                           &corners->z[k][t], &boxes->corner_x[k][t], &boxes->corner_y[k][t]);
+                           &corners->z[k][t]);
 }
 
 /* Differences below 2^15, in boxes of up to 127 samples: twice the areas fit into 32 bits. Returns
@@ -320,10 +319,16 @@ typedef struct block_edges {
     int32_t value[3], step_x[3], step_y[3];
 } block_edges;
 
-/* The edges at the box's first sample, in 64 bits. */
+/* The edges at the box's first sample, in 64 bits. Those of a box that find_small_areas is for are
+ * known already. */
 static void find_wide_edges(const chunk_boxes *boxes, const chunk_planes *planes, int t,
                             int64_t first[3]) {
+    const bool fit = boxes->width[t] < 128 && boxes->height[t] < 128;
     for (int k = 0; k < 3; k++) {
+        if (fit) {
+            first[k] = planes->edge[k][t];
+            continue;
+        }
         const int64_t dx = planes->edge_y[k][t], dy = -(int64_t)planes->edge_x[k][t];
         const int64_t to_x = (int64_t)boxes->x[t] * 256 + 128 - boxes->corner_x[k][t];
         const int64_t to_y = (int64_t)boxes->y[t] * 256 + 128 - boxes->corner_y[k][t];

@@ -168,7 +168,7 @@ static void prefetch_next(const shb_seen_cluster *cluster) {
     for (size_t line = 0; line < 3 * sizeof(float) * cluster->places; line += 64)
         __builtin_prefetch(next + line);
     for (size_t line = 0; line < 3 * SHB_CHUNK; line += 64)
-        __builtin_prefetch((const char *)(cluster->corners + SHB_CHUNK) + line);
+        __builtin_prefetch(cluster->corners + 3 * SHB_CHUNK + line);
 }
 
 /* The chunk's vertices, transformed into local where they are those of a cluster. */

@@ -29,15 +29,19 @@
  *
  *   wide_equal_bytes(bytes, value)
  *                         bit i: byte i of 64 equals value
- *   wide_transpose(a, b, c, d, x, y, z, snapped_x, snapped_y)
- *                         the numbers of four vertices, each kind in an array */
+ *   wide_transpose(a, b, c, d, x, y, z)
+ *                         the positions of four vertices, each coordinate in an array */
 
 /* Which layers are drawn beside depth. */
 enum { LAYER_IDS = 1, LAYER_SECOND = 2 };
 
+#include "pairs.h"
+
 #include "k_transform.inl"
 
 #include "k_setup.inl"
+
+#include "k_pairs.inl"
 
 #include "k_clear.inl"
 

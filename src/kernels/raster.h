@@ -54,11 +54,20 @@ typedef struct shb_transform_job {
     shb_vertex *vertices;
 } shb_transform_job;
 
+/* A cluster keeps the corners of so many triangles together: all first ones, then all second and
+ * all third ones. Behind the last triangle follow some without extent. */
+#define SHB_CORNERS_TOGETHER 16
+
+static inline size_t shb_corner_place(uint32_t triangle, uint32_t corner) {
+    const uint32_t run = triangle / SHB_CORNERS_TOGETHER;
+    return (3 * run + corner) * SHB_CORNERS_TOGETHER + triangle % SHB_CORNERS_TOGETHER;
+}
+
 /* A cluster that a drawing has to look at. */
 typedef struct shb_seen_cluster {
     const shb_target *target;
     const float *positions;        /* all x of the vertices, then all y and all z */
-    const uint8_t (*corners)[3];   /* of the triangles, numbers of vertices */
+    const uint8_t *corners;        /* numbers of vertices, see shb_corner_place */
     uint32_t vertex_count, places; /* places: from the first x to the first y */
     bool may_be_coded;             /* some vertex may not be usable */
     shb_samples samples;           /* its usable triangles lie in them */

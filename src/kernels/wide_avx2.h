@@ -104,21 +104,14 @@ static inline uint64_t wide_equal_bytes(const uint8_t *bytes, uint8_t value) {
 }
 
 static inline void wide_transpose(const shb_vertex *a, const shb_vertex *b, const shb_vertex *c,
-                                  const shb_vertex *d, double *x, double *y, double *z,
-                                  int32_t *snapped_x, int32_t *snapped_y) {
+                                  const shb_vertex *d, double *x, double *y, double *z) {
     const __m256d va = _mm256_loadu_pd(&a->x), vb = _mm256_loadu_pd(&b->x);
     const __m256d vc = _mm256_loadu_pd(&c->x), vd = _mm256_loadu_pd(&d->x);
-    const __m256d xz_ab = _mm256_unpacklo_pd(va, vb), ys_ab = _mm256_unpackhi_pd(va, vb);
-    const __m256d xz_cd = _mm256_unpacklo_pd(vc, vd), ys_cd = _mm256_unpackhi_pd(vc, vd);
-    const __m128 s_ab = _mm256_extractf128_ps(_mm256_castpd_ps(ys_ab), 1);
-    const __m128 s_cd = _mm256_extractf128_ps(_mm256_castpd_ps(ys_cd), 1);
+    const __m256d xz_ab = _mm256_unpacklo_pd(va, vb), xz_cd = _mm256_unpacklo_pd(vc, vd);
+    const __m256d y_ab = _mm256_unpackhi_pd(va, vb), y_cd = _mm256_unpackhi_pd(vc, vd);
     _mm256_storeu_pd(x, _mm256_permute2f128_pd(xz_ab, xz_cd, 0x20));
-    _mm256_storeu_pd(y, _mm256_permute2f128_pd(ys_ab, ys_cd, 0x20));
+    _mm256_storeu_pd(y, _mm256_permute2f128_pd(y_ab, y_cd, 0x20));
     _mm256_storeu_pd(z, _mm256_permute2f128_pd(xz_ab, xz_cd, 0x31));
-    _mm_storeu_si128((__m128i *)(void *)snapped_x,
-                     _mm_castps_si128(_mm_shuffle_ps(s_ab, s_cd, _MM_SHUFFLE(2, 0, 2, 0))));
-    _mm_storeu_si128((__m128i *)(void *)snapped_y,
-                     _mm_castps_si128(_mm_shuffle_ps(s_ab, s_cd, _MM_SHUFFLE(3, 1, 3, 1))));
 }
 
 #endif

@@ -105,22 +105,15 @@ static inline uint64_t wide_equal_bytes(const uint8_t *bytes, uint8_t value) {
 }
 
 static inline void wide_transpose(const shb_vertex *a, const shb_vertex *b, const shb_vertex *c,
-                                  const shb_vertex *d, double *x, double *y, double *z,
-                                  int32_t *snapped_x, int32_t *snapped_y) {
+                                  const shb_vertex *d, double *x, double *y, double *z) {
     const float64x2_t xy_a = vld1q_f64(&a->x), xy_b = vld1q_f64(&b->x);
     const float64x2_t xy_c = vld1q_f64(&c->x), xy_d = vld1q_f64(&d->x);
-    const float64x2_t zs_a = vld1q_f64(&a->z), zs_b = vld1q_f64(&b->z);
-    const float64x2_t zs_c = vld1q_f64(&c->z), zs_d = vld1q_f64(&d->z);
-    const int32x4_t s_ab = vreinterpretq_s32_f64(vzip2q_f64(zs_a, zs_b));
-    const int32x4_t s_cd = vreinterpretq_s32_f64(vzip2q_f64(zs_c, zs_d));
     vst1q_f64(x, vzip1q_f64(xy_a, xy_b));
     vst1q_f64(x + 2, vzip1q_f64(xy_c, xy_d));
     vst1q_f64(y, vzip2q_f64(xy_a, xy_b));
     vst1q_f64(y + 2, vzip2q_f64(xy_c, xy_d));
-    vst1q_f64(z, vzip1q_f64(zs_a, zs_b));
-    vst1q_f64(z + 2, vzip1q_f64(zs_c, zs_d));
-    vst1q_s32(snapped_x, vuzp1q_s32(s_ab, s_cd));
-    vst1q_s32(snapped_y, vuzp2q_s32(s_ab, s_cd));
+    vst1q_f64(z, vcombine_f64(vld1_f64(&a->z), vld1_f64(&b->z)));
+    vst1q_f64(z + 2, vcombine_f64(vld1_f64(&c->z), vld1_f64(&d->z)));
 }
 
 #endif

@@ -101,22 +101,15 @@ static inline uint64_t wide_equal_bytes(const uint8_t *bytes, uint8_t value) {
 }
 
 static inline void wide_transpose(const shb_vertex *a, const shb_vertex *b, const shb_vertex *c,
-                                  const shb_vertex *d, double *x, double *y, double *z,
-                                  int32_t *snapped_x, int32_t *snapped_y) {
+                                  const shb_vertex *d, double *x, double *y, double *z) {
     const __m128d xy_a = _mm_loadu_pd(&a->x), xy_b = _mm_loadu_pd(&b->x);
     const __m128d xy_c = _mm_loadu_pd(&c->x), xy_d = _mm_loadu_pd(&d->x);
-    const __m128d zs_a = _mm_loadu_pd(&a->z), zs_b = _mm_loadu_pd(&b->z);
-    const __m128d zs_c = _mm_loadu_pd(&c->z), zs_d = _mm_loadu_pd(&d->z);
-    const __m128 s_ab = _mm_castpd_ps(_mm_unpackhi_pd(zs_a, zs_b));
-    const __m128 s_cd = _mm_castpd_ps(_mm_unpackhi_pd(zs_c, zs_d));
     _mm_storeu_pd(x, _mm_unpacklo_pd(xy_a, xy_b));
     _mm_storeu_pd(x + 2, _mm_unpacklo_pd(xy_c, xy_d));
     _mm_storeu_pd(y, _mm_unpackhi_pd(xy_a, xy_b));
     _mm_storeu_pd(y + 2, _mm_unpackhi_pd(xy_c, xy_d));
-    _mm_storeu_pd(z, _mm_unpacklo_pd(zs_a, zs_b));
-    _mm_storeu_pd(z + 2, _mm_unpacklo_pd(zs_c, zs_d));
-    wi_store4(snapped_x, _mm_castps_si128(_mm_shuffle_ps(s_ab, s_cd, _MM_SHUFFLE(2, 0, 2, 0))));
-    wi_store4(snapped_y, _mm_castps_si128(_mm_shuffle_ps(s_ab, s_cd, _MM_SHUFFLE(3, 1, 3, 1))));
+    _mm_storeu_pd(z, _mm_loadh_pd(_mm_load_sd(&a->z), &b->z));
+    _mm_storeu_pd(z + 2, _mm_loadh_pd(_mm_load_sd(&c->z), &d->z));
 }
 
 #endif
