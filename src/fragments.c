@@ -149,17 +149,19 @@ static void read_corners(const shb_surface_instance *instance, size_t count, con
         }
 }
 
-/* Prepares the triangles from place first on, all of one instance. */
-static void prepare(shb_fragment_reader *reader, uint32_t first) {
+/* Prepares the triangles up to place end that are not yet, all of one instance. */
+static void prepare(shb_fragment_reader *reader, const shb_surface_instance *instance,
+                    uint32_t end) {
     shb_surface_table *table = &reader->table;
-    const size_t count = table->count - first;
-    if (count == 0)
+    const uint32_t first = table->count;
+    if (first == end)
         return;
     shb_surface_corners corners;
-    read_corners(reader->instance, count, table->ids + first, &corners);
-    reader->kernels->triangles(&reader->view, reader->instance, count, &corners,
+    read_corners(instance, end - first, table->ids + first, &corners);
+    reader->kernels->triangles(&reader->view, instance, end - first, &corners,
                                table->triangles + first);
-    for (uint32_t place = first; place < table->count; place++)
+    table->count = end;
+    for (uint32_t place = first; place < end; place++)
         if (!table->triangles[place].usable)
             prepare_alone(reader, place);
 }
@@ -181,15 +183,15 @@ static const uint32_t *ids_of(const shb_frame *frame, const shb_fragment_span *s
     return ids;
 }
 
-/* The place of a triangle in the table, where it is or to be prepared. Without a branch for whether
- * it is, which no processor could predict. */
-static inline uint32_t find_place(shb_surface_table *table, uint32_t id) {
+/* The place of a triangle in the table of *count ones, where it is or to be prepared. Without a
+ * branch for whether it is, which no processor could predict. */
+static inline uint32_t find_place(shb_surface_table *table, uint32_t id, uint32_t *count) {
     uint16_t *known = &table->places[id % SHB_TABLE];
-    const bool is_there = (*known < table->count) & (table->ids[*known] == id);
-    const uint32_t place = is_there ? *known : table->count;
+    const bool is_there = (*known < *count) & (table->ids[*known] == id);
+    const uint32_t place = is_there ? *known : *count;
     *known = (uint16_t)place;
-    table->ids[table->count] = id;
-    table->count += !is_there;
+    table->ids[*count] = id;
+    *count += !is_there;
     return place;
 }
 
@@ -214,26 +216,31 @@ static size_t find_runs(shb_fragment_reader *reader, const shb_fragment_span *sp
     const uint32_t *ids = ids_of(reader->frame, span, pixels);
     uint16_t starts[SHB_STARTS];
     const size_t all = reader->kernels->starts(ids, pixels, starts);
-    size_t count = 0;
     if (table->count + all > SHB_TABLE)
         clear_table(table);
-    uint32_t unprepared = table->count;
+    const shb_surface_instance *instance = reader->instance;
+    uint32_t first_id = instance ? instance->first_id : 0;
+    uint32_t held = instance ? instance->mesh->triangle_count : 0;
+    uint32_t triangles = table->count;
+    size_t found = 0;
     for (size_t k = 0; k < all; k++) {
         const uint32_t id = ids[starts[k]];
-        if (id == SHB_ID_NONE)
-            continue;
-        if (!reader->instance || !holds(reader->instance, id)) {
-            prepare(reader, unprepared);
-            unprepared = table->count;
-            reader->instance = find_instance(reader, id);
-            if (!reader->instance)
+        if (id - first_id >= held) {
+            if (id == SHB_ID_NONE)
+                continue;
+            prepare(reader, instance, triangles);
+            instance = find_instance(reader, id);
+            first_id = instance ? instance->first_id : 0;
+            held = instance ? instance->mesh->triangle_count : 0;
+            if (!instance)
                 continue;
         }
-        runs[count++] = (shb_surface_run){find_place(table, id), span->column + starts[k],
-                                          span->column + starts[k + 1]};
+        runs[found++] = (shb_surface_run){find_place(table, id, &triangles),
+                                          span->column + starts[k], span->column + starts[k + 1]};
     }
-    prepare(reader, unprepared);
-    return keep_usable(table, count, runs);
+    prepare(reader, instance, triangles);
+    reader->instance = instance;
+    return keep_usable(table, found, runs);
 }
 
 /* A fragment whose pixel's centre lies outside of its triangle. */
@@ -278,10 +285,11 @@ static void pad(size_t count, shb_fragments *f, uint32_t *facing) {
     float *const arrays[] = {f->x,         f->y,        f->z,         f->normal_x,
                              f->normal_y,  f->normal_z, f->shading_x, f->shading_y,
                              f->shading_z, f->weight_1, f->weight_2};
+    const size_t lanes = shb_round_to_lanes(count);
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-        for (size_t i = count; i < count + SHB_LANES; i++)
+        for (size_t i = count; i < lanes; i++)
             arrays[k][i] = arrays[k][count - 1];
-    for (size_t i = count; i < count + SHB_LANES; i++) {
+    for (size_t i = count; i < lanes; i++) {
         f->id[i] = f->id[count - 1];
         f->pixel_x[i] = f->pixel_x[count - 1];
         facing[i] = facing[count - 1];

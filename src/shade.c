@@ -23,7 +23,8 @@ typedef struct shading {
     shb_surface_view view;
     shb_filter filters[SHB_LIGHTS_MAX];
     const shb_shade_kernels *kernels;
-    uint8_t background[3 * TASK_COLUMNS]; /* a row of a task */
+    uint32_t background;                 /* a pixel, as the kernels write it */
+    uint8_t empty_row[3 * TASK_COLUMNS]; /* of a task */
     uint32_t tasks_across;
 } shading;
 
@@ -165,20 +166,32 @@ static void ask_light(const shading *job, size_t k, size_t count, workspace *wor
                            lighting);
 }
 
-static void write_pixels(const shading *job, size_t count, const workspace *work) {
+static uint8_t *pixels_of(const shading *job, const shb_fragment_span *span) {
     const shb_image *image = &job->desc->image;
     const size_t stride = image->stride ? image->stride : 3 * (size_t)image->width;
-    uint8_t *row = image->pixels + (size_t)work->fragments.pixel_y[0] * stride;
-    uint8_t red[SHB_BATCH], green[SHB_BATCH], blue[SHB_BATCH];
-    job->kernels->display(count, work->red, red);
-    job->kernels->display(count, work->green, green);
-    job->kernels->display(count, work->blue, blue);
-    for (size_t i = 0; i < count; i++) {
-        uint8_t *pixel = row + 3 * (size_t)work->fragments.pixel_x[i];
-        pixel[0] = red[i];
-        pixel[1] = green[i];
-        pixel[2] = blue[i];
+    return image->pixels + span->row * stride + 3 * (size_t)span->column;
+}
+
+/* Three bytes a pixel; the fourth one is where the next pixel begins. */
+static void write_pixels(size_t count, const uint32_t *pixels, uint8_t *to) {
+    for (size_t i = 0; i + 1 < count; i++)
+        memcpy(to + 3 * i, &pixels[i], sizeof *pixels);
+    memcpy(to + 3 * (count - 1), &pixels[count - 1], 3);
+}
+
+/* The span with the batch's fragments on the background. */
+static void write_batch(const shading *job, const shb_fragment_span *span, size_t count,
+                        const workspace *work) {
+    SHB_ALIGN uint32_t pixels[SHB_BATCH], row[TASK_COLUMNS];
+    const size_t width = span->end - span->column;
+    job->kernels->display(count, work->red, work->green, work->blue, pixels);
+    if (count < width) {
+        for (size_t i = 0; i < width; i++)
+            row[i] = job->background;
+        for (size_t i = 0; i < count; i++)
+            row[(uint32_t)work->fragments.pixel_x[i] - span->column] = pixels[i];
     }
+    write_pixels(width, count < width ? row : pixels, pixels_of(job, span));
 }
 
 static void shade_batch(const shading *job, size_t count, workspace *work) {
@@ -195,15 +208,6 @@ static void shade_batch(const shading *job, size_t count, workspace *work) {
                                  desc->lights, work->lighting,   desc->user,
                                  work->red,    work->green,      work->blue};
     desc->shade(&args);
-    if (desc->image.pixels)
-        write_pixels(job, count, work);
-}
-
-static void clear_span(const shading *job, const shb_fragment_span *span) {
-    const shb_image *image = &job->desc->image;
-    const size_t stride = image->stride ? image->stride : 3 * (size_t)image->width;
-    uint8_t *pixels = image->pixels + span->row * stride + 3 * (size_t)span->column;
-    memcpy(pixels, job->background, 3 * (size_t)(span->end - span->column));
 }
 
 static uint32_t min_u32(uint32_t a, uint32_t b) {
@@ -221,11 +225,13 @@ static void shade_block(void *arg, size_t index) {
     shb_fragment_reader_init(&work.reader, job->kernels, frame, &job->view, left);
     for (uint32_t row = top; row < bottom; row++) {
         const shb_fragment_span span = {row, left, right};
-        if (job->desc->image.pixels)
-            clear_span(job, &span);
         const size_t count = shb_fragments_read(&work.reader, &span, &work.fragments, work.facing);
         if (count)
             shade_batch(job, count, &work);
+        if (job->desc->image.pixels && count)
+            write_batch(job, &span, count, &work);
+        else if (job->desc->image.pixels)
+            memcpy(pixels_of(job, &span), job->empty_row, 3 * (size_t)(right - left));
     }
 }
 
@@ -247,8 +253,10 @@ shb_result shb_shade(shb_context *context, const shb_shade_desc *desc) {
         job.lights[k] = shb_map_get_info(desc->lights[k].map)->light;
         job.filters[k] = desc->lights[k].filter ? *desc->lights[k].filter : shb_filter_hard();
     }
+    const float *background = desc->background;
+    job.kernels->display(1, background, background + 1, background + 2, &job.background);
     for (size_t i = 0; i < TASK_COLUMNS; i++)
-        job.kernels->display(3, desc->background, job.background + 3 * i);
+        write_pixels(1, &job.background, job.empty_row + 3 * i);
     const uint32_t tasks_down = (desc->frame.height + TASK_ROWS - 1) / TASK_ROWS;
     shb_parallel_for(context, shade_block, &job, (size_t)job.tasks_across * tasks_down);
     return SHB_OK;

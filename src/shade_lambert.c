@@ -5,6 +5,8 @@
 
 #include "shadowbias/reference.h"
 
+#include <string.h>
+
 #define AMBIENT 0.08f
 
 /* Of the grey under the error colours. */
@@ -14,28 +16,39 @@ static float ambient(float shading_y) {
     return AMBIENT * 0.5f * (1 + shading_y);
 }
 
-/* Light of one colour channel that a surface of this colour sends back. */
-static void reflect(const shb_shade_args *args, int channel, float surface, float *restrict out) {
-    const float *restrict shading_y = args->fragments->shading_y;
-    for (size_t i = 0; i < args->count; i++)
-        out[i] = ambient(shading_y[i]);
-    for (size_t k = 0; k < args->light_count; k++) {
-        const float color = args->lights[k].color[channel];
-        const float *restrict visibility = args->lighting[k].visibility;
-        const float *restrict cosine = args->lighting[k].cosine;
-        for (size_t i = 0; i < args->count; i++)
-            out[i] += color * visibility[i] * cosine[i];
-    }
-    for (size_t i = 0; i < args->count; i++)
-        out[i] *= surface;
+/* Neighbouring fragments. */
+typedef float floats4 __attribute__((vector_size(16)));
+
+static inline floats4 load4(const float *p) {
+    floats4 v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+static inline void store4(float *p, floats4 v) {
+    memcpy(p, &v, sizeof v);
 }
 
 void shb_shade_lambert(const shb_shade_args *args) {
     static const float white[3] = {1, 1, 1};
-    const float *surface = args->user ? args->user : white;
-    reflect(args, 0, surface[0], args->red);
-    reflect(args, 1, surface[1], args->green);
-    reflect(args, 2, surface[2], args->blue);
+    float surface[3];
+    memcpy(surface, args->user ? args->user : white, sizeof surface);
+    const shb_shade_args given = *args;
+    for (size_t i = 0; i < given.count; i += 4) {
+        const floats4 low = AMBIENT * 0.5f * (1 + load4(given.fragments->shading_y + i));
+        floats4 red = low, green = low, blue = low;
+        for (size_t k = 0; k < given.light_count; k++) {
+            const floats4 visibility = load4(given.lighting[k].visibility + i);
+            const floats4 cosine = load4(given.lighting[k].cosine + i);
+            const float *color = given.lights[k].color;
+            red += color[0] * visibility * cosine;
+            green += color[1] * visibility * cosine;
+            blue += color[2] * visibility * cosine;
+        }
+        store4(given.red + i, red * surface[0]);
+        store4(given.green + i, green * surface[1]);
+        store4(given.blue + i, blue * surface[2]);
+    }
 }
 
 /* The colour of what the truth and the visibility say together: NULL where they agree. */

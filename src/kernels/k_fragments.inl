@@ -18,10 +18,10 @@ static size_t find_starts(const uint32_t *ids, size_t count, uint16_t *starts) {
     size_t found = 1, i = 1;
     starts[0] = 0;
     for (; i + WIDE <= count; i += WIDE) {
-        uint32_t bits =
+        const uint32_t bits =
             vi_bits(vi_load((const int32_t *)ids + i) != vi_load((const int32_t *)ids + i - 1));
-        for (uint32_t k = 0; bits; bits >>= 4, k += 4)
-            found = add_bits(bits & 15, (uint32_t)i + k, starts, found);
+        for (uint32_t k = 0; bits && k < WIDE; k += 4)
+            found = add_bits(bits >> k & 15, (uint32_t)i + k, starts, found);
     }
     for (; i < count; i++) {
         starts[found] = (uint16_t)i;
@@ -155,13 +155,15 @@ static void light_fragments(const shb_light_source *light, uint32_t number, size
 }
 
 /* The image's square root; + 0.5 rounds to the nearest. NaN becomes 0. */
-static void display_bytes(size_t count, const float *restrict linear, uint8_t *restrict bytes) {
-    SHB_ALIGN int32_t wide[SHB_BATCH];
-    for (size_t i = 0; i < count; i++) {
-        const float positive = linear[i] > 0 ? linear[i] : 0.0f;
-        const float unit = positive < 1 ? positive : 1.0f;
-        wide[i] = (int32_t)(sqrtf(unit) * 255.0f + 0.5f);
-    }
+static inline ALWAYS_INLINE uint32_t display_byte(float linear) {
+    const float positive = linear > 0 ? linear : 0.0f;
+    const float unit = positive < 1 ? positive : 1.0f;
+    return (uint32_t)(int32_t)(sqrtf(unit) * 255.0f + 0.5f);
+}
+
+static void display(size_t count, const float *restrict red, const float *restrict green,
+                    const float *restrict blue, uint32_t *restrict pixels) {
     for (size_t i = 0; i < count; i++)
-        bytes[i] = (uint8_t)wide[i];
+        pixels[i] =
+            display_byte(red[i]) | display_byte(green[i]) << 8 | display_byte(blue[i]) << 16;
 }

@@ -87,5 +87,5 @@ const shb_shade_kernels SHADE_KERNELS = {
     .triangles = prepare_surfaces,
     .fragments = read_fragments,
     .lighting = light_fragments,
-    .display = display_bytes,
+    .display = display,
 };

@@ -118,8 +118,9 @@ typedef struct shb_shade_kernels {
                      const shb_fragments *fragments, const uint32_t *facing,
                      shb_lighting *lighting);
 
-    /* Linear colours to bytes of an image. */
-    void (*display)(size_t count, const float *linear, uint8_t *bytes);
+    /* Linear colours to the bytes of an image: red in a pixel's lowest one, then green and blue. */
+    void (*display)(size_t count, const float *red, const float *green, const float *blue,
+                    uint32_t *pixels);
 } shb_shade_kernels;
 
 /* Never NULL. */
