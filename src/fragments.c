@@ -79,20 +79,20 @@ static void prepare_alone(shb_fragment_reader *reader, uint32_t place) {
         reader->table.lacks = true;
         return;
     }
-    to->usable = 1;
-    to->facing = 0;
+    to->facing = SHB_SURFACE_USABLE | (to->facing & SHB_SURFACE_SMOOTH);
     for (size_t k = 0; k < reader->view.light_count; k++)
-        to->facing |= (uint16_t)(shb_surface_faces(&triangle, &reader->view.lights[k]) << k);
-    write_vector(to->exact_normal, triangle.normal);
+        to->facing |= (uint32_t)shb_surface_faces(&triangle, &reader->view.lights[k]) << k;
+    double *corners = to->place + SHB_PLACE_CORNERS, *shading = to->shading + SHB_SHADING_CORNERS;
+    write_vector(to->shading, triangle.normal);
     for (int k = 0; k < 3; k++)
-        to->normal[k] = (float)to->exact_normal[k];
+        to->normal[k] = (float)to->shading[k];
     for (int k = 0; k < 3; k++)
-        write_vector(to->cofactors + 3 * k, triangle.cofactors[k]);
-    write_vector(to->corners, triangle.corners[0]);
-    write_vector(to->shading, triangle.shading[0]);
+        write_vector(to->place + 3 * k, triangle.cofactors[k]);
+    write_vector(corners, triangle.corners[0]);
+    write_vector(shading, triangle.shading[0]);
     for (int k = 1; k < 3; k++) {
-        write_vector(to->corners + 3 * k, vec3_subtract(triangle.corners[k], triangle.corners[0]));
-        write_vector(to->shading + 3 * k, vec3_subtract(triangle.shading[k], triangle.shading[0]));
+        write_vector(corners + 3 * k, vec3_subtract(triangle.corners[k], triangle.corners[0]));
+        write_vector(shading + 3 * k, vec3_subtract(triangle.shading[k], triangle.shading[0]));
     }
 }
 
@@ -103,28 +103,23 @@ static inline void read_triple(float (*to)[SHB_SPAN + SHB_TABLE_MARGIN], size_t 
     to[2][i] = from[2];
 }
 
-static void prefetch_indices(const shb_surface_instance *instance, size_t count,
-                             const uint32_t *ids) {
-    const shb_mesh *mesh = instance->mesh;
-    const size_t size = 3 * (mesh->index_size == 2 ? 2 : 4);
-    for (size_t i = 0; mesh->indices && i < count; i++)
-        __builtin_prefetch((const char *)mesh->indices + size * (ids[i] - instance->first_id));
-}
-
 /* The vertices of triangles; what these hold is asked for before any of it is read, as neighbours
  * on the screen may lie anywhere in memory. */
 static void read_vertices(const shb_surface_instance *instance, size_t count, const uint32_t *ids,
                           uint32_t (*vertices)[3]) {
-    const shb_mesh *mesh = instance->mesh;
+    const shb_mesh mesh = *instance->mesh;
+    const uint32_t first_id = instance->first_id;
+    const size_t size = 3 * (mesh.index_size == 2 ? 2 : 4);
+    for (size_t i = 0; mesh.indices && i < count; i++)
+        __builtin_prefetch((const char *)mesh.indices + size * (ids[i] - first_id));
     for (size_t i = 0; i < count; i++) {
-        uint32_t *corners = vertices[i];
-        shb_mesh_triangle(mesh, ids[i] - instance->first_id, corners);
+        shb_mesh_triangle(&mesh, ids[i] - first_id, vertices[i]);
         for (int k = 0; k < 3; k++) {
-            if (corners[k] >= mesh->vertex_count)
+            if (vertices[i][k] >= mesh.vertex_count)
                 continue;
-            __builtin_prefetch(shb_mesh_position(mesh, corners[k]));
-            if (mesh->normals)
-                __builtin_prefetch(shb_mesh_normal(mesh, corners[k]));
+            __builtin_prefetch(shb_mesh_position(&mesh, vertices[i][k]));
+            if (mesh.normals)
+                __builtin_prefetch(shb_mesh_normal(&mesh, vertices[i][k]));
         }
     }
 }
@@ -133,19 +128,18 @@ static void read_vertices(const shb_surface_instance *instance, size_t count, co
 static void read_corners(const shb_surface_instance *instance, size_t count, const uint32_t *ids,
                          shb_surface_corners *corners) {
     static const float none[3] = {NAN, NAN, NAN};
-    const shb_mesh *mesh = instance->mesh;
+    const shb_mesh mesh = *instance->mesh;
     uint32_t vertices[SHB_SPAN][3];
-    prefetch_indices(instance, count, ids);
     read_vertices(instance, count, ids, vertices);
     for (size_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++) {
             const uint32_t vertex = vertices[i][k];
-            const bool exists = vertex < mesh->vertex_count;
+            const bool exists = vertex < mesh.vertex_count;
             read_triple(corners->positions + 3 * k, i,
-                        exists ? shb_mesh_position(mesh, vertex) : none);
-            if (mesh->normals)
+                        exists ? shb_mesh_position(&mesh, vertex) : none);
+            if (mesh.normals)
                 read_triple(corners->normals + 3 * k, i,
-                            exists ? shb_mesh_normal(mesh, vertex) : none);
+                            exists ? shb_mesh_normal(&mesh, vertex) : none);
         }
 }
 
@@ -162,7 +156,7 @@ static void prepare(shb_fragment_reader *reader, const shb_surface_instance *ins
                                table->triangles + first);
     table->count = end;
     for (uint32_t place = first; place < end; place++)
-        if (!table->triangles[place].usable)
+        if (!(table->triangles[place].facing & SHB_SURFACE_USABLE))
             prepare_alone(reader, place);
 }
 
@@ -170,17 +164,18 @@ static size_t id_stride(const shb_frame *frame) {
     return frame->id_stride ? frame->id_stride : frame->width * sizeof *frame->ids;
 }
 
-/* The ids of count more pixels of a span. Those below, which are asked for next but lie far away in
- * memory, are put in reach. */
-static const uint32_t *ids_of(const shb_frame *frame, const shb_fragment_span *span,
-                              uint32_t count) {
+static const uint32_t *row_of_ids(const shb_frame *frame, uint32_t row) {
+    return (const uint32_t *)(const void *)((const char *)frame->ids + row * id_stride(frame));
+}
+
+/* Puts the ids below a span in reach, which are asked for next but lie far away in memory. */
+static void prefetch_next(const shb_frame *frame, const shb_fragment_span *span) {
     enum { LINE = 64 / sizeof(uint32_t) };
-    const char *row = (const char *)frame->ids + span->row * id_stride(frame);
-    const uint32_t *ids = (const uint32_t *)(const void *)row + span->column;
-    if (span->row + 1 < frame->height)
-        for (uint32_t i = 0; i < count; i += LINE)
-            __builtin_prefetch((const char *)(ids + i) + id_stride(frame));
-    return ids;
+    if (span->row + 1 == frame->height)
+        return;
+    const uint32_t *ids = row_of_ids(frame, span->row + 1);
+    for (uint32_t i = span->column; i < span->end; i += LINE)
+        __builtin_prefetch(ids + i);
 }
 
 /* The place of a triangle in the table of *count ones, where it is or to be prepared. Without a
@@ -202,7 +197,7 @@ static size_t keep_usable(const shb_surface_table *table, size_t count, shb_surf
         return count;
     for (size_t i = 0; i < count; i++) {
         runs[kept] = runs[i];
-        kept += table->triangles[runs[i].place].usable;
+        kept += (table->triangles[runs[i].place].facing & SHB_SURFACE_USABLE) != 0;
     }
     return kept;
 }
@@ -213,8 +208,9 @@ static size_t find_runs(shb_fragment_reader *reader, const shb_fragment_span *sp
                         shb_surface_run *runs) {
     shb_surface_table *table = &reader->table;
     const uint32_t pixels = span->end - span->column;
-    const uint32_t *ids = ids_of(reader->frame, span, pixels);
+    const uint32_t *ids = row_of_ids(reader->frame, span->row) + span->column;
     uint16_t starts[SHB_STARTS];
+    prefetch_next(reader->frame, span);
     const size_t all = reader->kernels->starts(ids, pixels, starts);
     if (table->count + all > SHB_TABLE)
         clear_table(table);
@@ -273,15 +269,9 @@ static void keep_within(size_t count, float *restrict weight_1, float *restrict 
     }
 }
 
-static bool has_nan(size_t count, const float *values) {
-    int32_t found = 0;
-    for (size_t i = 0; i < count; i++)
-        found |= -(values[i] != values[i]);
-    return found != 0;
-}
-
 /* Loops run over the count rounded up to whole vectors. */
-static void pad(size_t count, shb_fragments *f, uint32_t *facing) {
+static void pad(size_t count, shb_fragment_batch *batch) {
+    shb_fragments *f = &batch->fragments;
     float *const arrays[] = {f->x,         f->y,        f->z,         f->normal_x,
                              f->normal_y,  f->normal_z, f->shading_x, f->shading_y,
                              f->shading_z, f->weight_1, f->weight_2};
@@ -292,31 +282,44 @@ static void pad(size_t count, shb_fragments *f, uint32_t *facing) {
     for (size_t i = count; i < lanes; i++) {
         f->id[i] = f->id[count - 1];
         f->pixel_x[i] = f->pixel_x[count - 1];
-        facing[i] = facing[count - 1];
+        batch->facing[i] = batch->facing[count - 1];
     }
 }
 
+/* Ids and pixels of the runs' fragments; returns how many these are. */
+static size_t name_pixels(const shb_fragment_reader *reader, const shb_fragment_span *span,
+                          size_t run_count, const shb_surface_run *runs, shb_fragments *out) {
+    const uint32_t *ids = row_of_ids(reader->frame, span->row);
+    size_t count = 0;
+    for (size_t r = 0; r < run_count;) {
+        const uint32_t begin = runs[r].begin;
+        uint32_t end = begin;
+        for (; r < run_count && runs[r].begin == end; r++)
+            end = runs[r].end;
+        memcpy(out->id + count, ids + begin, (end - begin) * sizeof *ids);
+        for (uint32_t column = begin; column < end; column++)
+            out->pixel_x[count + column - begin] = (int32_t)column;
+        count += end - begin;
+    }
+    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
+        out->pixel_y[i] = (int32_t)span->row;
+    return count;
+}
+
 size_t shb_fragments_read(shb_fragment_reader *reader, const shb_fragment_span *span,
-                          shb_fragments *fragments, uint32_t facing[SHB_BATCH]) {
+                          shb_fragment_batch *batch) {
     const shb_frame *frame = reader->frame;
     shb_surface_run runs[SHB_SPAN];
-    SHB_ALIGN float outside[SHB_SPAN + SHB_TABLE_MARGIN];
     const size_t run_count = find_runs(reader, span, runs);
     if (run_count == 0)
         return 0;
-    size_t count = 0;
-    for (size_t i = 0; i < run_count; i++)
-        count += runs[i].end - runs[i].begin;
-    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
-        fragments->pixel_y[i] = (int32_t)span->row;
+    const size_t count = name_pixels(reader, span, run_count, runs, &batch->fragments);
     const shb_pixel_row row = {(frame->height - 2.0 * span->row - 1) / frame->height,
                                reader->centers, reader->left};
-    reader->kernels->fragments(&row, run_count, runs, &reader->table, fragments, facing, outside);
-    if (has_nan(count, outside))
-        for (size_t i = 0; i < count; i++)
-            if (isnan(outside[i]))
-                read_nearest(reader, i, fragments);
-    keep_within(count, fragments->weight_1, fragments->weight_2);
-    pad(count, fragments, facing);
+    reader->kernels->fragments(&row, run_count, runs, &reader->table, batch);
+    for (size_t i = 0; i < batch->outside_count; i++)
+        read_nearest(reader, batch->outside[i], &batch->fragments);
+    keep_within(count, batch->fragments.weight_1, batch->fragments.weight_2);
+    pad(count, batch);
     return count;
 }

@@ -29,10 +29,9 @@ typedef struct shb_fragment_span {
 void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kernels *kernels,
                               const shb_frame *frame, const shb_surface_view *view, uint32_t left);
 
-/* Reads the fragments of a span and returns their number. facing[i] tells which lights fragment i's
- * triangle faces. */
+/* Reads the fragments of a span and returns their number. */
 size_t shb_fragments_read(shb_fragment_reader *reader, const shb_fragment_span *span,
-                          shb_fragments *fragments, uint32_t facing[SHB_BATCH]);
+                          shb_fragment_batch *batch);
 
 /* A triangle of the frame, its normal as in shb_prepared_triangle. False: the scene has none such,
  * or none to be drawn. */

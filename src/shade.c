@@ -31,14 +31,13 @@ typedef struct shading {
 /* The arrays of one task. */
 typedef struct workspace {
     shb_fragment_reader reader;
-    shb_fragments fragments;
+    shb_fragment_batch batch;
     shb_lifted_points lifted; /* for a smooth terminator */
     shb_receivers receivers;
     shb_lighting lighting[SHB_LIGHTS_MAX];
     SHB_ALIGN float red[SHB_BATCH];
     float green[SHB_BATCH];
     float blue[SHB_BATCH];
-    uint32_t facing[SHB_BATCH];
 } workspace;
 
 static shb_result fail(const shb_context *context, shb_result result, const char *what) {
@@ -133,7 +132,7 @@ static void smooth_normals(uint32_t light, size_t lanes, const shb_fragments *fr
 
 static void read_receivers(const shading *job, size_t light, size_t count, workspace *work) {
     const bool smooth = job->desc->smooth_terminator;
-    const shb_fragments *fragments = &work->fragments;
+    const shb_fragments *fragments = &work->batch.fragments;
     shb_receivers *receivers = &work->receivers;
     const size_t lanes = shb_round_to_lanes(count);
     const size_t size = lanes * sizeof *receivers->x;
@@ -141,7 +140,7 @@ static void read_receivers(const shading *job, size_t light, size_t count, works
     memcpy(receivers->y, smooth ? work->lifted.y : fragments->y, size);
     memcpy(receivers->z, smooth ? work->lifted.z : fragments->z, size);
     if (smooth) {
-        smooth_normals((uint32_t)light, lanes, fragments, work->facing, receivers);
+        smooth_normals((uint32_t)light, lanes, fragments, work->batch.facing, receivers);
         return;
     }
     memcpy(receivers->normal_x, fragments->normal_x, size);
@@ -155,15 +154,15 @@ static void ask_light(const shading *job, size_t k, size_t count, workspace *wor
     shb_lighting *lighting = &work->lighting[k];
     float *visibility = lighting->visibility;
     read_receivers(job, k, count, work);
-    const shb_fragments *fragments = &work->fragments;
+    const shb_fragments *fragments = &work->batch.fragments;
     const shb_own_triangles own = {fragments->id, fragments->weight_1, fragments->weight_2};
     const bool lifted = job->desc->smooth_terminator;
     shb_visibility_batch(light->map, light->bias, &job->filters[k], count, lifted,
                          lifted ? NULL : &own, &work->receivers, visibility);
     for (size_t i = count; i % SHB_LANES; i++)
         visibility[i] = visibility[count - 1];
-    job->kernels->lighting(&job->lights[k], (uint32_t)k, count, &work->fragments, work->facing,
-                           lighting);
+    job->kernels->lighting(&job->lights[k], (uint32_t)k, count, &work->batch.fragments,
+                           work->batch.facing, lighting);
 }
 
 static uint8_t *pixels_of(const shading *job, const shb_fragment_span *span) {
@@ -189,7 +188,7 @@ static void write_batch(const shading *job, const shb_fragment_span *span, size_
         for (size_t i = 0; i < width; i++)
             row[i] = job->background;
         for (size_t i = 0; i < count; i++)
-            row[(uint32_t)work->fragments.pixel_x[i] - span->column] = pixels[i];
+            row[(uint32_t)work->batch.fragments.pixel_x[i] - span->column] = pixels[i];
     }
     write_pixels(width, count < width ? row : pixels, pixels_of(job, span));
 }
@@ -197,16 +196,22 @@ static void write_batch(const shading *job, const shb_fragment_span *span, size_
 static void shade_batch(const shading *job, size_t count, workspace *work) {
     const shb_shade_desc *desc = job->desc;
     if (desc->smooth_terminator)
-        shb_terminator_lift_batch(&work->reader, count, &work->fragments, &work->lifted);
+        shb_terminator_lift_batch(&work->reader, count, &work->batch.fragments, &work->lifted);
     for (size_t k = 0; k < desc->light_count; k++)
         ask_light(job, k, count, work);
     const size_t size = shb_round_to_lanes(count) * sizeof *work->red;
     memset(work->red, 0, size);
     memset(work->green, 0, size);
     memset(work->blue, 0, size);
-    const shb_shade_args args = {count,        &work->fragments, desc->light_count,
-                                 desc->lights, work->lighting,   desc->user,
-                                 work->red,    work->green,      work->blue};
+    const shb_shade_args args = {count,
+                                 &work->batch.fragments,
+                                 desc->light_count,
+                                 desc->lights,
+                                 work->lighting,
+                                 desc->user,
+                                 work->red,
+                                 work->green,
+                                 work->blue};
     desc->shade(&args);
 }
 
@@ -225,7 +230,7 @@ static void shade_block(void *arg, size_t index) {
     shb_fragment_reader_init(&work.reader, job->kernels, frame, &job->view, left);
     for (uint32_t row = top; row < bottom; row++) {
         const shb_fragment_span span = {row, left, right};
-        const size_t count = shb_fragments_read(&work.reader, &span, &work.fragments, work.facing);
+        const size_t count = shb_fragments_read(&work.reader, &span, &work.batch);
         if (count)
             shade_batch(job, count, &work);
         if (job->desc->image.pixels && count)

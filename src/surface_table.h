@@ -14,19 +14,26 @@
 /* Vectors may be written as far behind the last element that is wanted. */
 #define SHB_TABLE_MARGIN 16
 
+/* What the word facing of a prepared triangle says beside which lights face it. */
+enum {
+    SHB_SURFACE_USABLE = 1 << 16, /* not there: the kernels leave it to surface.h, triangles without
+                                     area, far out of range or not finite; and then it is missing */
+    SHB_SURFACE_SMOOTH = 1 << 17, /* the mesh has normals, and shading is there */
+    SHB_SURFACE_ALONG = 1 << 18,  /* all shading normals are clearly on the normal's side */
+    SHB_SURFACE_AGAINST = 1 << 19 /* all of them are clearly on the other side */
+};
+
+/* Where corners begin in place, and vectors in shading. */
+enum { SHB_PLACE_CORNERS = 9, SHB_SHADING_CORNERS = 3 };
+
 /* The fields of shb_surface_triangle; corners and shading normals as the first one and the ways
- * from it to the other two. The normal points to the camera's side and is never zero. */
+ * from it to the other two. The normal points to the camera's side and is never zero. A triangle is
+ * four cache lines, of which flat ones need three. */
 typedef struct shb_prepared_triangle {
-    SHB_ALIGN double
-        cofactors[9]; /* a triangle is four cache lines, of which flat ones need three */
-    double corners[9];
+    SHB_ALIGN double place[18]; /* cofactors, corners */
     float normal[3];
-    uint16_t facing; /* bit k: light k stands on the camera's side */
-    uint8_t usable;  /* 1, or 0 where the kernels leave it to surface.h: triangles without area, far
-                        out of range or not finite; and then where it is not there */
-    uint8_t smooth;  /* 1: the mesh has normals, and what follows is there */
-    double exact_normal[3];
-    double shading[9];
+    uint32_t facing;    /* bit k: light k stands on the camera's side; and SHB_SURFACE_ */
+    double shading[12]; /* the normal, shading normals */
 } shb_prepared_triangle;
 
 typedef struct shb_surface_table {
@@ -42,6 +49,14 @@ typedef struct shb_surface_corners {
     SHB_ALIGN float positions[9][SHB_SPAN + SHB_TABLE_MARGIN];
     float normals[9][SHB_SPAN + SHB_TABLE_MARGIN];
 } shb_surface_corners;
+
+/* What is read of a span. */
+typedef struct shb_fragment_batch {
+    shb_fragments fragments;
+    uint32_t facing[SHB_BATCH]; /* as in shb_prepared_triangle */
+    uint16_t outside[SHB_SPAN]; /* fragments whose pixel's centre lies outside of their triangle */
+    uint32_t outside_count;
+} shb_fragment_batch;
 
 /* What triangles are prepared for: a camera, and at most 16 lights. */
 typedef struct shb_surface_view {

@@ -49,5 +49,19 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
 }
+static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
+    const wd ab[2] = {_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b)};
+    const wd cd[2] = {_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d)};
+    const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
+    const __m512i high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+    for (size_t odd = 0; odd < 2; odd++) {
+        const wd first = _mm512_permutex2var_pd(ab[odd], low, cd[odd]);
+        const wd last = _mm512_permutex2var_pd(ab[odd], high, cd[odd]);
+        _mm256_storeu_pd(to + odd * step, _mm512_castpd512_pd256(first));
+        _mm256_storeu_pd(to + (odd + 2) * step, _mm512_extractf64x4_pd(first, 1));
+        _mm256_storeu_pd(to + (odd + 4) * step, _mm512_castpd512_pd256(last));
+        _mm256_storeu_pd(to + (odd + 6) * step, _mm512_extractf64x4_pd(last, 1));
+    }
+}
 
 #endif

@@ -53,5 +53,13 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return a > b;
 }
+/* a, b, c, d of lane i go to to + i * step. */
+static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
+    (void)step;
+    to[0] = a;
+    to[1] = b;
+    to[2] = c;
+    to[3] = d;
+}
 
 #endif

@@ -52,5 +52,11 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return (uint32_t)_mm_movemask_pd(_mm_cmpgt_pd(a, b));
 }
+static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
+    _mm_storeu_pd(to, _mm_unpacklo_pd(a, b));
+    _mm_storeu_pd(to + 2, _mm_unpacklo_pd(c, d));
+    _mm_storeu_pd(to + step, _mm_unpackhi_pd(a, b));
+    _mm_storeu_pd(to + step + 2, _mm_unpackhi_pd(c, d));
+}
 
 #endif

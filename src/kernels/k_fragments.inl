@@ -36,17 +36,26 @@ static inline ALWAYS_INLINE wd combine(const double *from, int axis, wd b, wd c)
     return wd_splat(from[axis]) + (b * from[3 + axis] + c * from[6 + axis]);
 }
 
-static inline ALWAYS_INLINE wd weight_of(const double *line, wd center_x, double center_y) {
-    return line[0] * center_x + wd_splat(line[1] * center_y) + line[2];
-}
-
-/* The mesh's normal, on the side of the triangle's own. */
+/* The mesh's normal where it is clearly on one side of the triangle's own. */
 static inline ALWAYS_INLINE void write_smooth(const shb_prepared_triangle *triangle, wd b, wd c,
                                               shb_fragments *restrict out, size_t i) {
+    const double *corners = triangle->shading + SHB_SHADING_CORNERS;
+    const wd x = combine(corners, 0, b, c), y = combine(corners, 1, b, c);
+    const wd z = combine(corners, 2, b, c);
+    const double side = triangle->facing & SHB_SURFACE_ALONG ? 1.0 : -1.0;
+    const wd scale = side / wd_sqrt(x * x + y * y + z * z);
+    wd_store_floats(out->shading_x + i, x * scale);
+    wd_store_floats(out->shading_y + i, y * scale);
+    wd_store_floats(out->shading_z + i, z * scale);
+}
+
+/* Any normal of the mesh, on the side of the triangle's own. */
+static inline ALWAYS_INLINE void write_turned(const shb_prepared_triangle *triangle, wd b, wd c,
+                                              shb_fragments *restrict out, size_t i) {
     const wd zero = wd_splat(0.0), one = wd_splat(1.0), none = wd_splat((double)NAN);
-    const wd x = combine(triangle->shading, 0, b, c), y = combine(triangle->shading, 1, b, c);
-    const wd z = combine(triangle->shading, 2, b, c);
-    const double *normal = triangle->exact_normal;
+    const double *normal = triangle->shading, *corners = normal + SHB_SHADING_CORNERS;
+    const wd x = combine(corners, 0, b, c), y = combine(corners, 1, b, c);
+    const wd z = combine(corners, 2, b, c);
     const wd length = wd_sqrt(x * x + y * y + z * z);
     const wd good = wd_where_greater(length, zero, length, none) * 0.0; /* 0 or NaN */
     const wd along = normal[0] * x + normal[1] * y + normal[2] * z;
@@ -56,61 +65,71 @@ static inline ALWAYS_INLINE void write_smooth(const shb_prepared_triangle *trian
     wd_store_floats(out->shading_z + i, wd_where_equal(good, zero, z * scale, wd_splat(normal[2])));
 }
 
-/* DOUBLES fragments of one triangle; NaN in outside[i] where a centre lies outside of it. */
-static inline ALWAYS_INLINE void write_fragments(const shb_prepared_triangle *triangle, wd center_x,
-                                                 double center_y, shb_fragments *restrict out,
-                                                 float *restrict outside, size_t i) {
-    const wd zero = wd_splat(0.0), none = wd_splat((double)NAN);
-    const double *lines = triangle->cofactors;
-    const wd weight_0 = weight_of(lines, center_x, center_y);
-    const wd weight_1 = weight_of(lines + 3, center_x, center_y);
-    const wd weight_2 = weight_of(lines + 6, center_x, center_y);
+/* DOUBLES fragments of one triangle; returns a bit for each whose centre lies inside of it. down:
+ * the parts of the weights that a row has in common. */
+static inline ALWAYS_INLINE uint32_t write_fragments(const shb_prepared_triangle *triangle,
+                                                     wd center_x, const wd *down,
+                                                     shb_fragment_batch *batch, size_t i) {
+    const double *lines = triangle->place, *corners = lines + SHB_PLACE_CORNERS;
+    const wd weight_0 = lines[0] * center_x + down[0] + lines[2];
+    const wd weight_1 = lines[3] * center_x + down[1] + lines[5];
+    const wd weight_2 = lines[6] * center_x + down[2] + lines[8];
     const wd sum = weight_0 + weight_1 + weight_2;
     const wd least = wd_min(wd_min(weight_0, weight_1), weight_2);
-    const wd usable = wd_where_greater(sum, zero, sum, none) * 0.0; /* 0 or NaN */
-    wd_store_floats(outside + i, wd_where_greater(zero, least, none, usable));
 
+    shb_fragments *out = &batch->fragments;
     const wd b = weight_1 / sum, c = weight_2 / sum;
     wd_store_floats(out->weight_1 + i, b);
     wd_store_floats(out->weight_2 + i, c);
-    wd_store_floats(out->x + i, combine(triangle->corners, 0, b, c));
-    wd_store_floats(out->y + i, combine(triangle->corners, 1, b, c));
-    wd_store_floats(out->z + i, combine(triangle->corners, 2, b, c));
+    wd_store_floats(out->x + i, combine(corners, 0, b, c));
+    wd_store_floats(out->y + i, combine(corners, 1, b, c));
+    wd_store_floats(out->z + i, combine(corners, 2, b, c));
+
+    const float normal[3] = {triangle->normal[0], triangle->normal[1], triangle->normal[2]};
+    const uint32_t facing = triangle->facing;
+    for (size_t k = 0; k < DOUBLES; k++)
+        batch->facing[i + k] = facing;
     for (size_t k = 0; k < DOUBLES; k++) {
-        out->normal_x[i + k] = triangle->normal[0];
-        out->normal_y[i + k] = triangle->normal[1];
-        out->normal_z[i + k] = triangle->normal[2];
+        out->normal_x[i + k] = normal[0];
+        out->normal_y[i + k] = normal[1];
+        out->normal_z[i + k] = normal[2];
     }
-    if (triangle->smooth) {
+    if (!(facing & SHB_SURFACE_SMOOTH))
+        for (size_t k = 0; k < DOUBLES; k++) {
+            out->shading_x[i + k] = normal[0];
+            out->shading_y[i + k] = normal[1];
+            out->shading_z[i + k] = normal[2];
+        }
+    else if (facing & (SHB_SURFACE_ALONG | SHB_SURFACE_AGAINST))
         write_smooth(triangle, b, c, out, i);
-        return;
-    }
-    for (size_t k = 0; k < DOUBLES; k++) {
-        out->shading_x[i + k] = triangle->normal[0];
-        out->shading_y[i + k] = triangle->normal[1];
-        out->shading_z[i + k] = triangle->normal[2];
-    }
+    else
+        write_turned(triangle, b, c, out, i);
+    /* A sum that is not finite is not greater than NaN. */
+    return wd_greater_bits(sum, sum * 0.0) & ~wd_greater_bits(wd_splat(0.0), least);
 }
 
 /* What is too much behind a run the next one overwrites. */
 static void read_fragments(const shb_pixel_row *row, size_t run_count, const shb_surface_run *runs,
-                           const shb_surface_table *table, shb_fragments *restrict out,
-                           uint32_t *restrict facing, float *restrict outside) {
-    size_t first = 0;
+                           const shb_surface_table *table, shb_fragment_batch *batch) {
+    static const uint8_t first_bits[] = {0, 1, 3, 7, 15, 31, 63, 127, 255};
+    const double center_y = row->center_y;
+    size_t first = 0, found = 0;
     for (size_t r = 0; r < run_count; r++) {
-        const shb_surface_run run = runs[r];
-        const shb_prepared_triangle *triangle = &table->triangles[run.place];
-        const double *centers = row->centers + (run.begin - row->first);
-        const size_t count = run.end - run.begin;
-        for (size_t k = 0; k < count; k += DOUBLES)
-            write_fragments(triangle, wd_load(centers + k), row->center_y, out, outside, first + k);
-        for (size_t k = 0; k < count; k += WIDE) {
-            vi_store(out->pixel_x + first + k, (int32_t)(run.begin + k) + vi_lanes());
-            vi_store((int32_t *)out->id + first + k, vi_splat((int32_t)table->ids[run.place]));
-            vi_store((int32_t *)facing + first + k, vi_splat(triangle->facing));
+        const shb_prepared_triangle *triangle = &table->triangles[runs[r].place];
+        const double *lines = triangle->place;
+        const wd down[3] = {wd_splat(lines[1] * center_y), wd_splat(lines[4] * center_y),
+                            wd_splat(lines[7] * center_y)};
+        const double *centers = row->centers + (runs[r].begin - row->first);
+        const size_t end = first + runs[r].end - runs[r].begin;
+        for (size_t i = first; i < end; i += DOUBLES, centers += DOUBLES) {
+            const uint32_t inside = write_fragments(triangle, wd_load(centers), down, batch, i);
+            uint32_t missed = first_bits[end - i < DOUBLES ? end - i : DOUBLES] & ~inside;
+            for (; missed; missed &= missed - 1)
+                batch->outside[found++] = (uint16_t)(i + (size_t)__builtin_ctz(missed));
         }
-        first += count;
+        first = end;
     }
+    batch->outside_count = (uint32_t)found;
 }
 
 /* Cosines between shading normals and directions to the light, in double: distances may be large.

@@ -106,11 +106,10 @@ typedef struct shb_shade_kernels {
                       size_t count, const shb_surface_corners *corners,
                       shb_prepared_triangle *triangles);
 
-    /* Fragments of the runs of a row, whose triangles are there: all but pixel_y. outside[i] is NaN
-     * where the pixel's centre lies outside of its triangle: that fragment is not right yet. */
+    /* Fragments of the runs of a row, whose triangles are there: all but ids and pixels. Those
+     * outside are not right yet. */
     void (*fragments)(const shb_pixel_row *row, size_t run_count, const shb_surface_run *runs,
-                      const shb_surface_table *table, shb_fragments *fragments, uint32_t *facing,
-                      float *outside);
+                      const shb_surface_table *table, shb_fragment_batch *batch);
 
     /* Writes the cosines of light number number, and takes the visibility away from triangles that
      * do not face it. */
