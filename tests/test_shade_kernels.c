@@ -377,6 +377,31 @@ static void check_fragment(const frame_case *f, uint32_t column, uint32_t row, c
     *wrong += memcmp(actual, expected, sizeof expected) != 0 ||
               actual[9] != stored_weight(weights[1], weights[2]) ||
               actual[10] != stored_weight(weights[2], weights[1]);
+
+    shb_light_source eye;
+    CHECK_INT(shb_view_light_source(&f->view, &eye), SHB_OK);
+    if (!shb_surface_faces(&triangle, &eye))
+        triangle.normal = (shb_vec3){-triangle.normal.x, -triangle.normal.y, -triangle.normal.z};
+    const shb_vec3 normal = shb_surface_shading_normal(&triangle, weights);
+    const float shading[3] = {(float)normal.x, (float)normal.y, (float)normal.z};
+    *wrong += memcmp(actual + 6, shading, sizeof shading) != 0;
+}
+
+static void check_fragments(const frame_case *f) {
+    frame_outcome *made = shade_frame(f, SHB_ISA_BEST, 1);
+    unsigned wrong = 0;
+    for (uint32_t row = 0; row < HEIGHT; row++)
+        for (uint32_t column = 0; column < WIDTH; column++)
+            check_fragment(f, column, row, made->fragments[row * WIDTH + column], &wrong);
+    CHECK_INT(wrong, 0);
+    free(made);
+}
+
+/* Normals of corners lie on the triangle's side, on the other, on both, or are no numbers. */
+TEST(shade_fragments_are_those_of_one_triangle_at_a_time) {
+    frame_case *f = new_frame(true);
+    check_fragments(f);
+    free(f);
 }
 
 TEST(shade_fragments_are_right_however_many_triangles_a_block_sees) {
@@ -385,12 +410,6 @@ TEST(shade_fragments_are_right_however_many_triangles_a_block_sees) {
     test_random random = {23};
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         f->ids[i] = random_below(&random, 2 * TRIANGLES + 9);
-    frame_outcome *made = shade_frame(f, SHB_ISA_BEST, 1);
-    unsigned wrong = 0;
-    for (uint32_t row = 0; row < HEIGHT; row++)
-        for (uint32_t column = 0; column < WIDTH; column++)
-            check_fragment(f, column, row, made->fragments[row * WIDTH + column], &wrong);
-    CHECK_INT(wrong, 0);
-    free(made);
+    check_fragments(f);
     free(f);
 }
