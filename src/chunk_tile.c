@@ -224,7 +224,8 @@ static size_t draw_clusters(const tile_job *job, size_t row, const shb_layers *l
 
 static void draw_tile(tile_job *job, size_t lane, size_t number) {
     const shb_layers layers = layers_of(job, lane, tile_samples(job, number));
-    const shb_tile tile = shb_layers_tile(&layers, job->desc->view->reversed, job->counts);
+    const shb_tile tile =
+        shb_layers_tile(&layers, job->target, job->desc->view->reversed, job->counts);
     draw_binned(job, number, &tile);
     const size_t drawn = draw_clusters(job, number / job->bins.columns, &layers, &tile);
     atomic_fetch_add(&job->drawn, drawn);
@@ -285,7 +286,7 @@ static bool draw_whole(shb_context *context, tile_job *job) {
     if (!reserve_depths(context, job, 1, job->desc->height))
         return false;
     const shb_layers layers = layers_of(job, 0, job->target->samples);
-    if (!shb_chunk_whole_draw(context, job->desc, job->chunks, &layers, job->counts,
+    if (!shb_chunk_whole_draw(context, job->desc, job->target, job->chunks, &layers, job->counts,
                               &job->bins.drawn))
         return false;
     draw_coded(job, &layers);

@@ -14,6 +14,7 @@
 
 typedef struct whole_job {
     const shb_kernels *kernels;
+    const shb_target *target;
     const shb_chunks *chunks;
     bool reversed, counts;
     size_t lane_count;
@@ -22,7 +23,8 @@ typedef struct whole_job {
     atomic_size_t next; /* chunk that nobody has begun */
 } whole_job;
 
-shb_tile shb_layers_tile(const shb_layers *layers, bool reversed, bool counts) {
+shb_tile shb_layers_tile(const shb_layers *layers, const shb_target *target, bool reversed,
+                         bool counts) {
     const shb_samples *samples = &layers->samples;
     const int32_t width = samples->last_column - samples->first_column + 1;
     const size_t columns = (size_t)width;
@@ -31,6 +33,7 @@ shb_tile shb_layers_tile(const shb_layers *layers, bool reversed, bool counts) {
         .depth = layers->nearest,
         .second = layers->second,
         .ids = layers->ids,
+        .planes = target->planes,
         .stride = (ptrdiff_t)layers->pitch,
         .far_depth = shb_far_depth(reversed),
         .counts = counts,
@@ -49,7 +52,8 @@ shb_tile shb_layers_tile(const shb_layers *layers, bool reversed, bool counts) {
 
 static void run_lane(void *arg, size_t index) {
     whole_job *job = arg;
-    const shb_tile tile = shb_layers_tile(&job->lanes[index], job->reversed, job->counts);
+    const shb_tile tile =
+        shb_layers_tile(&job->lanes[index], job->target, job->reversed, job->counts);
     const shb_chunk *chunks = job->chunks->chunks;
     const size_t count = job->chunks->count;
     uint64_t drawn = 0;
@@ -106,11 +110,13 @@ static void merge_rows(void *arg, size_t index) {
             merge_row(&job->lanes[0], &job->lanes[lane], row);
 }
 
-bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const shb_chunks *chunks,
-                          const shb_layers *layers, bool counts, uint64_t *drawn) {
+bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const shb_target *target,
+                          const shb_chunks *chunks, const shb_layers *layers, bool counts,
+                          uint64_t *drawn) {
     const size_t shares = chunks->count / CHUNKS_AT_ONCE + 1;
     const size_t most = context->threads < LANES_MAX ? context->threads : LANES_MAX;
     whole_job job = {.kernels = context->kernels,
+                     .target = target,
                      .chunks = chunks,
                      .reversed = desc->view->reversed,
                      .counts = counts,

@@ -9,12 +9,14 @@
 #include "layers.h"
 
 /* The part of the target that the layers hold, for the kernels. Nothing of it is cleared yet. */
-shb_tile shb_layers_tile(const shb_layers *layers, bool reversed, bool counts);
+shb_tile shb_layers_tile(const shb_layers *layers, const shb_target *target, bool reversed,
+                         bool counts);
 
 /* Clears layers, which are those of the whole target and part of its images, and draws all chunks
  * into them. Adds how many triangles were drawn to *drawn, hidden ones if counts is set. false: out
  * of memory, the images are untouched. */
-bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const shb_chunks *chunks,
-                          const shb_layers *layers, bool counts, uint64_t *drawn);
+bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const shb_target *target,
+                          const shb_chunks *chunks, const shb_layers *layers, bool counts,
+                          uint64_t *drawn);
 
 #endif

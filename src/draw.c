@@ -1,5 +1,7 @@
 #include "strict.h"
 
+#include "draw.h"
+
 #include "chunk_tile.h"
 #include "context.h"
 #include "format.h"
@@ -112,13 +114,15 @@ static bool draw_scalar(shb_context *context, const shb_draw_desc *desc,
            shb_tiles_draw(context, desc, geometry, target, &bins);
 }
 
-shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_stats *stats) {
+shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
+                           const shb_plane_finder *planes, shb_draw_stats *stats) {
     if (!context)
         return SHB_ERROR_ARGUMENT;
     const shb_result result = check_desc(context, desc);
     if (result)
         return result;
-    const shb_target target = shb_target_of(desc->width, desc->height, desc->view->reversed);
+    shb_target target = shb_target_of(desc->width, desc->height, desc->view->reversed);
+    target.planes = planes;
     shb_geometry geometry = {0};
     shb_draw_stats counted;
     if (!shb_geometry_prepare(context, desc, &geometry) ||
@@ -130,4 +134,8 @@ shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_st
     if (stats)
         *stats = counted;
     return SHB_OK;
+}
+
+shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_stats *stats) {
+    return shb_draw_planes(context, desc, NULL, stats);
 }

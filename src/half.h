@@ -2,6 +2,7 @@
 #ifndef SRC_HALF_H
 #define SRC_HALF_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -27,6 +28,14 @@ static inline uint16_t shb_half_of(double value) {
     memcpy(&bits, &size, sizeof bits);
     bits += 0x1ffffffffffu + (bits >> 42 & 1);
     return (uint16_t)(sign | (uint16_t)((bits >> 42) - ((uint64_t)(1023 - 15) << 10)));
+}
+
+/* Two of them, x in the lower one; both are infinite where one is. */
+static inline uint32_t shb_halves_of(double x, double y) {
+    const uint32_t low = shb_half_of(x), high = shb_half_of(y);
+    const bool infinite = (low & SHB_HALF_INFINITY) == SHB_HALF_INFINITY ||
+                          (high & SHB_HALF_INFINITY) == SHB_HALF_INFINITY;
+    return infinite ? SHB_HALF_INFINITY | SHB_HALF_INFINITY << 16 : low | high << 16;
 }
 
 /* Exact. The exponent field counts from 15, that of a float from 127. */

@@ -3,6 +3,7 @@
 #include "layers.h"
 
 #include "format.h"
+#include "half.h"
 #include "scratch.h"
 
 #include <string.h>
@@ -35,10 +36,10 @@ static void merge_second(size_t count, const float *restrict z, const float *res
 
 /* At most RUN_SAMPLES samples of a row, from the one at column and row on. */
 static void draw_run(const shb_layers *layers, const shb_plane *plane, const shb_shape *shape,
-                     int32_t row, int32_t column, size_t count, uint32_t id) {
+                     bool is_raised, int32_t row, int32_t column, size_t count, uint32_t id) {
     float z[RUN_SAMPLES];
-    shb_plane_depths(plane, column - shape->samples.first_column, row - shape->samples.first_row,
-                     count, z);
+    (is_raised ? shb_plane_raised_depths : shb_plane_depths)(
+        plane, column - shape->samples.first_column, row - shape->samples.first_row, count, z);
     const size_t at = (size_t)(row - layers->samples.first_row) * layers->pitch +
                       (size_t)(column - layers->samples.first_column);
     if (layers->ids)
@@ -49,12 +50,25 @@ static void draw_run(const shb_layers *layers, const shb_plane *plane, const shb
     merge_depths(count, z, layers->nearest + at);
 }
 
+/* Slopes of the triangle's own plane, which is what is drawn. */
+static uint32_t take_plane(const shb_plane_finder *finder, const shb_samples *box, uint32_t id,
+                           shb_plane *plane) {
+    shb_occluder_plane found;
+    finder->find(finder, 1, &id, &found);
+    shb_plane_raise(&found, box->first_column, box->first_row,
+                    box->last_column - box->first_column + 1, box->last_row - box->first_row + 1,
+                    plane);
+    return shb_halves_of(found.slope_x / finder->slope_unit, found.slope_y / finder->slope_unit);
+}
+
 void shb_layers_draw(const shb_layers *layers, const shb_target *target, const shb_shape *shape,
                      uint32_t id) {
     const shb_samples box = shb_samples_intersect(shape->samples, layers->samples);
     if (shb_samples_are_empty(box))
         return;
-    const shb_plane plane = shb_plane_of(target, shape);
+    shb_plane plane = shb_plane_of(target, shape);
+    if (target->planes)
+        id = take_plane(target->planes, &shape->samples, id, &plane);
     const shb_cover cover = shb_cover_of(shape, box);
     for (int32_t row = box.first_row; row <= box.last_row; row++) {
         shb_run runs[SHB_RUNS_MAX];
@@ -62,7 +76,7 @@ void shb_layers_draw(const shb_layers *layers, const shb_target *target, const s
         for (size_t i = 0; i < count; i++)
             for (int32_t first = runs[i].first; first < runs[i].end; first += RUN_SAMPLES) {
                 const int32_t left = runs[i].end - first;
-                draw_run(layers, &plane, shape, row, first,
+                draw_run(layers, &plane, shape, target->planes != NULL, row, first,
                          (size_t)(left < RUN_SAMPLES ? left : RUN_SAMPLES), id);
             }
     }

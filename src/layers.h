@@ -4,7 +4,7 @@
 #define SRC_LAYERS_H
 
 #include "cover.h"
-#include "plane.h"
+#include "drawn_plane.h"
 
 /* Depths are canonical. Sample (column, row) is element (row - samples.first_row) * pitch + column
  * - samples.first_column of each array. */
@@ -13,7 +13,7 @@ typedef struct shb_layers {
     size_t pitch;
     float *nearest;
     float *second; /* NULL: not wanted */
-    uint32_t *ids; /* NULL: not wanted */
+    uint32_t *ids; /* or slopes, as the target says; NULL: not wanted */
     float *cells;  /* for the kernels: bounds of the depth in squares of SHB_CELL samples */
 } shb_layers;
 

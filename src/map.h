@@ -3,6 +3,7 @@
 #define SRC_MAP_H
 
 #include "context.h"
+#include "drawn_plane.h"
 #include "light_bounds.h"
 #include "light_mesh.h"
 #include "sheets.h"
@@ -31,28 +32,18 @@ typedef struct shb_light_rows {
     double x[4], y[4], z[4], w[4];
 } shb_light_rows;
 
-/* The plane depth = z + slope_x * X + slope_y * Y of a triangle, X and Y in texels, and how far it
- * may lie in front of the true one near the triangle, up to a texel beyond its box: infinite for
- * one that is not to be used. */
-typedef struct shb_occluder_plane {
-    double z, slope_x, slope_y, error;
-} shb_occluder_plane;
-
 /* The instances of a scene, for their triangles' corners in the world. */
 typedef struct shb_placed_scene {
     struct shb_placed_instance *instances;
     size_t count;
 } shb_placed_scene;
 
-/* What threads make texels of planes with, in the context's occluder_scratch. */
-typedef struct shb_texel_scratch {
+/* What the planes of triangles are found from while a map that keeps them is drawn. */
+typedef struct shb_drawn_planes {
+    shb_plane_finder finder;
+    const struct shb_map *map;
     shb_placed_scene placed;
-    size_t lanes;
-    uint32_t rows;         /* of a band */
-    size_t triangles;      /* of the scene */
-    size_t band_triangles; /* the most that a band holds */
-    size_t bytes;
-} shb_texel_scratch;
+} shb_drawn_planes;
 
 /* What the buffers of a context's occluder_scratch hold: what a map of triangles kept of an earlier
  * drawing, for the next one, and what maps are drawn with. */
@@ -60,15 +51,7 @@ enum {
     SHB_OCCLUDER_PLANES,
     SHB_OCCLUDER_TRIANGLES,
     SHB_OCCLUDER_KEPT, /* how many there are of these */
-    SHB_OCCLUDER_INSTANCES = SHB_OCCLUDER_KEPT,
-    SHB_OCCLUDER_PLACES,      /* of each lane: where triangles are among its band's */
-    SHB_OCCLUDER_BAND_IDS,    /* of each lane: the triangles of its band, */
-    SHB_OCCLUDER_BAND_PLANES, /* their planes, */
-    SHB_OCCLUDER_BAND_SLOPES, /* the same as texels hold them, */
-    SHB_OCCLUDER_RUNS,        /* the runs of them in each row, */
-    SHB_OCCLUDER_RUN_COLUMNS, /* where these begin, */
-    SHB_OCCLUDER_RUN_PLACES,  /* and of which triangles they are */
-    SHB_OCCLUDER_ROWS         /* of each lane: a row of depths */
+    SHB_OCCLUDER_INSTANCES = SHB_OCCLUDER_KEPT
 };
 
 /* What a map keeps of its occluders. */
@@ -85,7 +68,8 @@ typedef struct shb_occluder_data {
     shb_light_mesh mesh;
     shb_sheets sheets;
     shb_sheet_bins bins; /* while a scene is drawn, as what follows */
-    shb_texel_scratch scratch;
+    shb_drawn_planes drawn;
+    size_t drawn_bytes; /* that drawing works with */
 } shb_occluder_data;
 
 /* What a filter made of the map's depths; by what, as in shb_filter. */

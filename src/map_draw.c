@@ -9,6 +9,7 @@
 
 #include <time.h>
 
+#include "draw.h"
 #include "format.h"
 #include "lists.h"
 #include "occluders.h"
@@ -143,7 +144,9 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
         desc.ids = occluders.texels;
         desc.id_stride = occluders.stride;
     }
-    result = shb_draw(map->context, &desc, stats);
+    const bool draws_planes = keeps_texels && map->info.occluders == SHB_OCCLUDERS_PLANES;
+    result =
+        shb_draw_planes(map->context, &desc, draws_planes ? &occluders.drawn.finder : NULL, stats);
     if (result != SHB_OK) {
         if (prepares)
             shb_occluders_release(map, &occluders);

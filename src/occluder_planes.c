@@ -79,6 +79,18 @@ void shb_occluder_planes_find(const shb_map *map, const shb_placed_scene *placed
     }
 }
 
+static void find_drawn(const shb_plane_finder *finder, size_t count, const uint32_t *ids,
+                       shb_occluder_plane *planes) {
+    const shb_drawn_planes *drawn = (const shb_drawn_planes *)finder;
+    shb_occluder_planes_find(drawn->map, &drawn->placed, ids, 0, count, planes);
+}
+
+bool shb_drawn_planes_make(const shb_map *map, const shb_scene *scene, shb_occluder_data *made) {
+    made->drawn = (shb_drawn_planes){.finder = {find_drawn, made->slope_unit}, .map = map};
+    made->drawn_bytes = scene->instance_count * sizeof(shb_placed_instance);
+    return shb_placed_scene_make(map->context, scene, &made->drawn.placed);
+}
+
 typedef struct plane_job {
     const shb_map *map;
     const shb_placed_scene *placed;

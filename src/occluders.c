@@ -4,7 +4,6 @@
 
 #include "format.h"
 #include "occluder_planes.h"
-#include "occluder_texels.h"
 #include "prepare.h"
 
 #include <float.h>
@@ -154,12 +153,12 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
     made->mesh = (shb_light_mesh){0};
     made->plane_count = count;
     made->planes = NULL;
-    made->scratch = (shb_texel_scratch){.bytes = 0};
+    made->drawn_bytes = 0;
     for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
         made->kept[i] = (shb_buffer){NULL, 0};
     bool done = true;
     if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES)
-        done = shb_texel_scratch_reserve(map, scene, &made->scratch);
+        done = shb_drawn_planes_make(map, scene, made);
     if (done && shb_map_keeps_sheets(map))
         done = shb_sheet_bins_reserve(map->context, &map->info, count, &made->bins);
     if (done && (walks || shb_map_keeps_sheets(map)))
@@ -196,12 +195,10 @@ void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *mad
     data->mesh.topology = &data->topology;
     if (shb_map_keeps_sheets(map))
         shb_sheets_find(map, &data->mesh, &data->bins);
-    if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES)
-        shb_occluder_texels_resolve(map, &data->scratch);
     data->mesh.vertices = NULL;
     data->mesh.facing = NULL;
     if (!keeps || map->info.occluders != SHB_OCCLUDERS_TRIANGLES)
         release_drawn(context, data);
     map->info.memory_bytes =
-        texel_bytes(map) + scene_bytes(data) + data->scratch.bytes + shb_prepared_bytes(map);
+        texel_bytes(map) + scene_bytes(data) + data->drawn_bytes + shb_prepared_bytes(map);
 }

@@ -21,10 +21,13 @@ typedef struct shb_samples {
     int32_t first_column, first_row, last_column, last_row;
 } shb_samples;
 
+struct shb_plane_finder;
+
 typedef struct shb_target {
     shb_clip_volume volume;
     double half_width, half_height;
-    shb_samples samples; /* all of the target's */
+    shb_samples samples;                   /* all of the target's */
+    const struct shb_plane_finder *planes; /* slopes are drawn in place of ids; NULL: ids are */
 } shb_target;
 
 /* A triangle, or what clipping left of it. */

@@ -1,5 +1,6 @@
 /* The exact method on maps that keep planes: halves, the bound of rounding, refusals. */
 #include "../src/exact.h"
+#include "../src/format.h"
 #include "../src/half.h"
 #include "../src/occluders.h"
 #include "probe.h"
@@ -275,6 +276,9 @@ static void draw_planes(const shb_scene *scene, const shb_map_desc *desc, shb_is
     for (uint32_t row = 0; row < desc->height; row++) {
         memcpy(out, (const char *)depth.texels + row * depth.stride, desc->width * sizeof *out);
         memcpy(out + desc->width, shb_occluder_row(map, (int32_t)row), desc->width * sizeof *out);
+        for (uint32_t i = 0; i < desc->width; i++)
+            if (((const float *)(const void *)out)[i] == shb_far_depth(desc->view.reversed))
+                out[desc->width + i] = SHB_ID_NONE;
         out += 2 * desc->width;
     }
     shb_map_destroy(map);

@@ -18,10 +18,13 @@ typedef struct block_cells {
 
 /* The depth that the triangle has at the sample i columns and j rows from its box's first one. It
  * rises or falls all the way along rows and columns, rounding included. */
-static inline __attribute__((always_inline)) float depth_at(const chunk_planes *planes, int t,
-                                                            bool plain, int32_t i, int32_t j) {
-    if (plain)
-        return (planes->depth[t] + planes->depth_y[t] * (float)j) + planes->depth_x[t] * (float)i;
+static inline __attribute__((always_inline)) float
+depth_at(const chunk_planes *planes, int t, int layers, bool plain, int32_t i, int32_t j) {
+    if (plain) {
+        const float z =
+            (planes->depth[t] + planes->depth_y[t] * (float)j) + planes->depth_x[t] * (float)i;
+        return layers & LAYER_PLANES ? planes->anchor[t] + z : z;
+    }
     const double z = (planes->base[t] + planes->step_y[t] * j) + planes->step_x[t] * i;
     const double above = z > planes->lo[t] ? z : planes->lo[t];
     return (float)(above < planes->hi[t] ? above : planes->hi[t]);
@@ -63,18 +66,18 @@ static void find_covered(const block_edges *edges, int32_t states[BLOCK_CELLS * 
 /* Looks at the cells of the block that starts i columns and j rows from the box's first sample. At
  * equal depth an id may still win. */
 static inline __attribute__((always_inline)) block_cells
-find_cells(const chunk_planes *planes, int t, bool plain, bool equal_is_hidden,
-           const block_edges *edges, int32_t i, int32_t j,
-           const float farthest[BLOCK_CELLS * BLOCK_CELLS]) {
+find_cells(const chunk_planes *planes, int t, int layers, bool plain, const block_edges *edges,
+           int32_t i, int32_t j, const float farthest[BLOCK_CELLS * BLOCK_CELLS]) {
     int32_t states[BLOCK_CELLS * BLOCK_CELLS];
     uint8_t narrow[64] = {0};
     find_covered(edges, states);
     const int32_t near_i = i + (planes->step_x[t] < 0 ? SHB_CELL - 1 : 0);
     const int32_t near_j = j + (planes->step_y[t] < 0 ? SHB_CELL - 1 : 0);
     for (int c = 0; c < BLOCK_CELLS * BLOCK_CELLS; c++) {
-        const float nearest = depth_at(planes, t, plain, near_i + c % BLOCK_CELLS * SHB_CELL,
-                                       near_j + c / BLOCK_CELLS * SHB_CELL);
-        const int32_t at_equal = nearest == farthest[c] && equal_is_hidden ? 0 : states[c];
+        const float nearest =
+            depth_at(planes, t, layers, plain, near_i + c % BLOCK_CELLS * SHB_CELL,
+                     near_j + c / BLOCK_CELLS * SHB_CELL);
+        const int32_t at_equal = nearest == farthest[c] && !(layers & LAYER_IDS) ? 0 : states[c];
         states[c] = nearest > farthest[c] ? 0 : at_equal;
     }
     for (int c = 0; c < BLOCK_CELLS * BLOCK_CELLS; c++)
@@ -93,8 +96,8 @@ lower_bounds(const shb_tile *tile, int layers, const chunk_boxes *boxes, const c
     const int32_t far_j = y - boxes->y[t] + (planes->step_y[t] < 0 ? 0 : SHB_CELL - 1);
     for (int32_t row = 0; row < count; row++, first += tile->cell_stride)
         for (int32_t column = 0; column < count; column++) {
-            const float farthest =
-                depth_at(planes, t, plain, far_i + column * SHB_CELL, far_j + row * SHB_CELL);
+            const float farthest = depth_at(planes, t, layers, plain, far_i + column * SHB_CELL,
+                                            far_j + row * SHB_CELL);
             float *cell = tile->cells + first + column;
             if (layers & LAYER_SECOND) {
                 float *second = tile->second_cells + first + column;

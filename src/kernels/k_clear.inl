@@ -19,7 +19,7 @@ static void clear_cells(const shb_tile *tile, int32_t column, int32_t row, int32
     fill_far(columns, rows, tile->stride, tile->far_depth, tile->depth + at);
     if (tile->second)
         fill_far(columns, rows, tile->stride, tile->far_depth, tile->second + at);
-    for (int32_t j = 0; tile->ids && j < rows; j++)
+    for (int32_t j = 0; tile->ids && !tile->planes && j < rows; j++)
         memset(tile->ids + at + j * tile->stride, 0xff, (size_t)columns * sizeof *tile->ids);
     fill_far(count, 1, 0, tile->far_depth, tile->cells + first);
     if (tile->second)

@@ -1,4 +1,4 @@
-/* The planes of triangles, and what the texels of a map that keeps planes make of them. */
+/* The planes of triangles. */
 
 static inline ALWAYS_INLINE wd difference(wd a, wd b) {
     return wd_abs(a - b);
@@ -105,42 +105,4 @@ static void find_planes(const shb_map *map, size_t count, const shb_plane_corner
         find_planes_as(map, true, count, corners, planes);
     else
         find_planes_as(map, false, count, corners, planes);
-}
-
-/* Rounded away from the light, by less than two units in the last place, and no farther than the
- * far depth. */
-static inline ALWAYS_INLINE void store_depths(wd depth, double far_depth, bool negates,
-                                              float *out) {
-    depth = wd_min(depth, wd_splat(far_depth));
-    wd_store_floats(out, depth);
-    const wd rounded = wd_load_floats(out);
-    depth = wd_where_greater(depth, rounded, rounded + wd_abs(rounded) * 0x1p-23, rounded);
-    if (negates)
-        depth = 0.0 - depth;
-    wd_store_floats(out, depth);
-}
-
-/* Runs are written by whole vectors, the first of which the next run writes over. */
-static void resolve_runs(const shb_resolve *job, uint32_t row, const shb_texel_runs *runs,
-                         float *depths, uint32_t *texels) {
-    static const double centers[8] = {0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5};
-    const wd ramp = wd_load(centers);
-    const double y = row + 0.5, far_depth = (double)job->far_depth;
-    const shb_occluder_plane nothing = {far_depth, 0, 0, 0};
-    for (size_t i = 0; i < runs->count; i++) {
-        const uint32_t place = runs->places[i], first = runs->columns[i];
-        const bool is_empty = place == SHB_ID_NONE;
-        const uint32_t end = is_empty ? first + 1 : runs->columns[i + 1];
-        const shb_occluder_plane plane = is_empty ? nothing : job->planes[place];
-        const int32_t packed = (int32_t)(is_empty ? SHB_ID_NONE : job->slopes[place]);
-        const double rise = plane.slope_y * y;
-        for (uint32_t k = first; k < end; k += WIDE) {
-            for (uint32_t part = k; part < k + WIDE; part += DOUBLES) {
-                const wd x = ramp + (double)(int32_t)part;
-                store_depths(((plane.z + plane.slope_x * x) + rise) + plane.error, far_depth,
-                             job->negates, depths + part);
-            }
-            vi_store((int32_t *)(void *)(texels + k), vi_splat(packed));
-        }
-    }
 }

@@ -61,18 +61,27 @@ typedef struct tiny_samples {
     SHB_ALIGN float depth[SHB_CHUNK][4];
 } tiny_samples;
 
-static void sample_tiny(int count, const chunk_planes *restrict planes,
-                        tiny_samples *restrict samples) {
+static inline __attribute__((always_inline)) void
+sample_tiny_with(int count, const chunk_planes *restrict planes, const float *restrict anchors,
+                 tiny_samples *restrict samples) {
     const float outside = 2.0f;
     for (int t = 0; t < lanes_of(count); t++) {
         int32_t edges[4];
         find_tiny_edges(planes, t, edges);
-        const float upper = planes->depth[t], lower = upper + planes->depth_y[t];
-        samples->depth[t][0] = edges[0] < 0 ? outside : upper;
-        samples->depth[t][1] = edges[1] < 0 ? outside : upper + planes->depth_x[t];
-        samples->depth[t][2] = edges[2] < 0 ? outside : lower;
-        samples->depth[t][3] = edges[3] < 0 ? outside : lower + planes->depth_x[t];
+        float depth[4] = {planes->depth[t], 0, planes->depth[t] + planes->depth_y[t], 0};
+        depth[1] = depth[0] + planes->depth_x[t];
+        depth[3] = depth[2] + planes->depth_x[t];
+        for (int i = 0; i < 4; i++)
+            samples->depth[t][i] =
+                edges[i] < 0 ? outside : (anchors ? anchors[t] + depth[i] : depth[i]);
     }
+}
+
+static void sample_tiny(int count, int layers, const chunk_planes *planes, tiny_samples *samples) {
+    if (layers & LAYER_PLANES)
+        sample_tiny_with(count, planes, planes->anchor, samples);
+    else
+        sample_tiny_with(count, planes, NULL, samples);
 }
 
 typedef float quad_floats __attribute__((vector_size(16)));
@@ -138,7 +147,8 @@ static inline __attribute__((always_inline)) void draw_single(const shb_tile *ti
                                                               const chunk_planes *planes, int t,
                                                               uint32_t id) {
     const ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + boxes->x[t] - tile->x0;
-    merge_sample(tile, layers, at, planes->depth[t], id);
+    const float z = planes->depth[t];
+    merge_sample(tile, layers, at, layers & LAYER_PLANES ? planes->anchor[t] + z : z, id);
 }
 
 /* Calls draw for every triangle of the half chunk that is of the class. */
@@ -203,6 +213,40 @@ static void find_ids(const shb_chunk *chunk, int count, const int32_t *list,
         ids[i] = first + triangle_of(chunk, (uint32_t)(list ? list[i] : i));
 }
 
+/* What a map that keeps planes holds of the kept triangles. */
+static void take_planes(const shb_chunk *chunk, const shb_plane_finder *finder, int listed,
+                        const int32_t *list, const chunk_boxes *boxes, chunk_planes *planes,
+                        uint32_t slopes[SHB_CHUNK]) {
+    shb_occluder_plane found[SHB_CHUNK];
+    uint32_t ids[SHB_CHUNK] = {0}, kept[SHB_CHUNK];
+    uint32_t count = 0;
+    find_ids(chunk, listed, list, slopes);
+    for (uint32_t t = 0; t < (uint32_t)listed; t++) {
+        kept[count] = t;
+        ids[count] = slopes[t];
+        count += (uint32_t)boxes->kept[t];
+    }
+    finder->find(finder, count, ids, found);
+    const double scale = 1 / finder->slope_unit;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t t = kept[i];
+        shb_plane plane = {
+            .lo = planes->lo[t], .hi = planes->hi[t], .is_plain = planes->plain[t] != 0};
+        shb_plane_raise(&found[i], boxes->x[t], boxes->y[t], boxes->width[t], boxes->height[t],
+                        &plane);
+        slopes[t] = shb_halves_of(found[i].slope_x * scale, found[i].slope_y * scale);
+        planes->base[t] = plane.z0;
+        planes->step_x[t] = plane.gx;
+        planes->step_y[t] = plane.gy;
+        planes->hi[t] = plane.hi;
+        planes->plain[t] = plane.is_plain;
+        planes->anchor[t] = (float)plane.z0;
+        planes->depth[t] = (float)(plane.z0 - (double)planes->anchor[t]);
+        planes->depth_x[t] = (float)plane.gx;
+        planes->depth_y[t] = (float)plane.gy;
+    }
+}
+
 /* Draws what has been looked at. */
 static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, int count,
                          const int32_t *list, const chunk_corners *corners,
@@ -210,15 +254,18 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, int count
     tiny_samples samples;
     uint8_t classes[SHB_CHUNK];
     uint32_t ids[SHB_CHUNK];
+    const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0) |
+                       (tile->ids && tile->planes ? LAYER_PLANES : 0);
     set_up_depths(count, corners, boxes, planes);
-    classify(count, tile, boxes, planes, classes);
-    if (has_class(classes, CLASS_TINY))
-        sample_tiny(count, planes, &samples);
-    const int layers = (tile->ids ? LAYER_IDS : 0) | (tile->second ? LAYER_SECOND : 0);
-    if (layers & LAYER_IDS)
+    if (layers & LAYER_PLANES)
+        take_planes(chunk, tile->planes, count, list, boxes, planes, ids);
+    else if (layers & LAYER_IDS)
         find_ids(chunk, count, list, ids);
     else
         memset(ids, 0, sizeof ids);
+    classify(count, tile, boxes, planes, classes);
+    if (has_class(classes, CLASS_TINY))
+        sample_tiny(count, layers, planes, &samples);
     switch (layers) {
     case 0:
         draw_classes(ids, tile, 0, boxes, planes, &samples, classes);
@@ -226,8 +273,11 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, int count
     case LAYER_IDS:
         draw_classes(ids, tile, LAYER_IDS, boxes, planes, &samples, classes);
         break;
+    case LAYER_IDS | LAYER_PLANES:
+        draw_classes(ids, tile, LAYER_IDS | LAYER_PLANES, boxes, planes, &samples, classes);
+        break;
     default:
-        draw_classes(ids, tile, layers, boxes, planes, &samples, classes);
+        draw_classes(ids, tile, layers & ~LAYER_PLANES, boxes, planes, &samples, classes);
     }
 }
 

@@ -26,6 +26,11 @@ W(merge)(const shb_tile *tile, int layers, ptrdiff_t at, W(wi) edges, W(wf) z, W
     }
 }
 
+static inline __attribute__((always_inline)) W(wf)
+    W(add_anchor)(int layers, W(wf) anchor, W(wf) z) {
+    return layers & LAYER_PLANES ? W(wf_add)(anchor, z) : z;
+}
+
 /* Samples of a block: columns left .. right - 1, rounded up to whole vectors, rows top .. bottom
  * - 1. edges counts from (left, top); covered: all are inside. */
 static inline __attribute__((always_inline)) void
@@ -44,6 +49,7 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
     const W(wf) depth_x = W(wf_splat)(planes->depth_x[t]);
     const W(wf) columns = W(wf_add)(W(wf_splat)((float)first_column), W(wf_lanes)());
     const W(wf) depth = W(wf_splat)(planes->depth[t]), depth_y = W(wf_splat)(planes->depth_y[t]);
+    const W(wf) anchor = W(wf_splat)(layers & LAYER_PLANES ? planes->anchor[t] : 0);
     W(wf) rows = W(wf_splat)((float)(top - boxes->y[t]));
     ptrdiff_t start = (top - tile->y0) * tile->stride + left - tile->x0;
     for (int32_t y = top; y < bottom; y++, start += tile->stride) {
@@ -54,7 +60,7 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
         ptrdiff_t at = start;
         for (int32_t i = 0; i < right - left; i += LANES, at += LANES) {
             const W(wf) z =
-                plain ? W(wf_add)(base, W(wf_mul)(depth_x, column))
+                plain ? W(add_anchor)(layers, anchor, W(wf_add)(base, W(wf_mul)(depth_x, column)))
                       : W(wf_plane)(careful_base, planes->step_x[t], (double)(first_column + i),
                                     planes->lo[t], planes->hi[t]);
             const W(wi) outside = W(wi_or_three)(edge[0], edge[1], edge[2]);
@@ -140,8 +146,8 @@ static inline __attribute__((always_inline)) void W(draw_large)(const shb_tile *
                                   &edges))
                 continue;
             load_farthest(tile, layers, left, top, farthest);
-            const block_cells cells = find_cells(planes, t, plain, !(layers & LAYER_IDS), &edges,
-                                                 left - x, top - y, farthest);
+            const block_cells cells =
+                find_cells(planes, t, layers, plain, &edges, left - x, top - y, farthest);
             if (cells.covered == ALL_CELLS && left + SHB_SMALL <= tile->x1) {
                 W(draw_square)
                 (tile, layers, boxes, planes, t, id, plain, true, SHB_SMALL, &edges, &part, left,
@@ -177,13 +183,14 @@ W(draw_rows)(const shb_tile *tile, int layers, const chunk_boxes *boxes, const c
     for (int k = 0; k < 3; k++)
         step[k] = W(wi_splat)(planes->edge_y[k][t]);
     const W(wf) depth = W(wf_splat)(planes->depth[t]), depth_y = W(wf_splat)(planes->depth_y[t]);
+    const W(wf) anchor = W(wf_splat)(layers & LAYER_PLANES ? planes->anchor[t] : 0);
     ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + left - tile->x0;
     for (int j = 0; j < height; j++, at += tile->stride) {
         const W(wf) base = W(wf_add)(depth, W(wf_mul)(depth_y, W(wf_splat)((float)j)));
         for (int v = 0; v < vectors; v++) {
             W(merge)
             (tile, layers, at + v * LANES, W(wi_or_three)(edge[v][0], edge[v][1], edge[v][2]),
-             W(wf_add)(base, along[v]), id);
+             W(add_anchor)(layers, anchor, W(wf_add)(base, along[v])), id);
             for (int k = 0; k < 3; k++)
                 edge[v][k] = W(wi_add)(edge[v][k], step[k]);
         }

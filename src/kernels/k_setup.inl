@@ -2,6 +2,8 @@
  * branches. The formulas, their order and the proofs of their widths are those of setup.h and
  * plane.h. */
 
+#include "../half.h"
+
 #define MIN(a, b) ((a) < (b) ? (a) : (b))
 #define MAX(a, b) ((a) > (b) ? (a) : (b))
 
@@ -49,6 +51,7 @@ typedef struct chunk_planes {
     SHB_ALIGN int32_t edge[3][SHB_CHUNK];
     int32_t edge_x[3][SHB_CHUNK], edge_y[3][SHB_CHUNK];
     float depth[SHB_CHUNK], depth_x[SHB_CHUNK], depth_y[SHB_CHUNK];
+    float anchor[SHB_CHUNK];  /* added last; where planes are drawn, otherwise none */
     int32_t plain[SHB_CHUNK]; /* 1: depth is evaluated in float, 0: in double */
     double base[SHB_CHUNK], step_x[SHB_CHUNK], step_y[SHB_CHUNK], lo[SHB_CHUNK], hi[SHB_CHUNK];
 } chunk_planes;

@@ -62,7 +62,6 @@ const shb_shade_kernels SHADE_KERNELS = {
     .nearest = ask_nearest,
     .quick = WIDE > 1 ? test_quickly : NULL,
     .find_planes = find_planes,
-    .resolve = resolve_runs,
     .pcf = pcf,
     .pcf_smooth = pcf_smooth,
     .jittered = jittered,

@@ -33,7 +33,7 @@
  *                         the positions of four vertices, each coordinate in an array */
 
 /* Which layers are drawn beside depth. */
-enum { LAYER_IDS = 1, LAYER_SECOND = 2 };
+enum { LAYER_IDS = 1, LAYER_SECOND = 2, LAYER_PLANES = 4 /* in place of ids */ };
 
 #include "pairs.h"
 

@@ -3,7 +3,7 @@
 #ifndef SRC_KERNELS_RASTER_H
 #define SRC_KERNELS_RASTER_H
 
-#include "../plane.h"
+#include "../drawn_plane.h"
 
 /* Triangles are set up this many at a time. */
 #define SHB_CHUNK 128
@@ -106,8 +106,9 @@ static inline shb_transform_job shb_cluster_job(const shb_chunk *chunk, shb_vert
  * * stride + x - x0. */
 typedef struct shb_tile {
     float *depth;
-    float *second; /* NULL: not wanted */
-    uint32_t *ids; /* NULL: not wanted */
+    float *second;                  /* NULL: not wanted */
+    uint32_t *ids;                  /* NULL: not wanted */
+    const shb_plane_finder *planes; /* as in the target */
     ptrdiff_t stride;
     float far_depth;
     bool counts;         /* hidden triangles are to be counted, too */

@@ -22,21 +22,6 @@ typedef struct shb_plane_corners {
     SHB_ALIGN double at[3][3][SHB_PLANE_LANES]; /* corner, axis */
 } shb_plane_corners;
 
-/* Texels of a row in runs, each of which holds one triangle, or none. */
-typedef struct shb_texel_runs {
-    size_t count;
-    uint16_t *columns; /* where runs begin, and at last the width */
-    uint32_t *places;  /* of planes among those that are given; SHB_ID_NONE: no triangle */
-} shb_texel_runs;
-
-/* What runs are resolved with. */
-typedef struct shb_resolve {
-    const shb_occluder_plane *planes;
-    const uint32_t *slopes; /* as texels hold them */
-    float far_depth;        /* canonical */
-    bool negates;           /* canonical depths */
-} shb_resolve;
-
 typedef struct shb_shade_kernels {
     /* Copies count triples without gaps; the last one fills up the lanes. */
     void (*load)(const float *triples, size_t count, float *x, float *y, float *z);
@@ -74,12 +59,6 @@ typedef struct shb_shade_kernels {
     /* Planes of count triangles, at most SHB_PLANE_LANES; all lanes of the corners are read. */
     void (*find_planes)(const shb_map *map, size_t count, const shb_plane_corners *corners,
                         shb_occluder_plane *planes);
-
-    /* Depths and slopes of a row of runs. A depth lies behind the true plane by all that the plane
-     * may be off. Where there is no triangle, texels stay the same if they are as far as can be and
-     * SHB_ID_NONE. A cache line more may be written. */
-    void (*resolve)(const shb_resolve *job, uint32_t row, const shb_texel_runs *runs, float *depths,
-                    uint32_t *texels);
 
     /* Filters of boxes of texels, and of scattered ones. */
     shb_filter_fn *pcf, *pcf_smooth, *jittered, *poisson;

@@ -1,0 +1,90 @@
+/* Triangles of a map that keeps planes: the slopes of its plane are drawn where a triangle's id
+ * would be, and depths that are never in front of the true plane.
+ *
+ * The rasterizer is told the plane of a triangle, (z + gx X) + gy Y with X and Y in pixels of the
+ * target, and how far it may lie in front of the true one. Let u = 2^-24 and e = 2^-53. Anchored at
+ * the first sample of the box it is z0 + gx i + gy j, and with m = |gx| i + |gy| j <= M in the box
+ * the double arithmetic of both costs less than
+ *     8 e (|z| + |gx X| + |gy Y| + |z0| + M)                                                   (1)
+ *
+ * A plane whose numbers are small beside its depths is plain: in float, the anchor A = (float)z0
+ * and the rest r = (float)(z0 - A) apart, A + ((r + (float)gy * j) + (float)gx * i). Slopes and
+ * products are rounded by 2 u m, the inner sums by u |gy| j and u m, r and what it adds to them by
+ * u^2 |z0| each. The outer sum, as what careful rounds to a float, is off by half a unit in the
+ * last place. A covered sample is within 1/512 pixel of the triangle: its depth is at most D, the
+ * largest size of a corner's depth + |gx| + |gy|. With P the power of two at or below D, all is
+ *     u P, for plain ones 4 u M more                                                           (2)
+ * (from beyond 2 P more may be rounded off, but not below 2 P, where no true depth is).
+ *
+ * The plane is raised by (1) and (2), and 2^-10 of that for terms of second order. So what is drawn
+ * lies behind the plane that was told by no more than twice that: a unit in the last place, and
+ * half of one more where a plane is plain, since then 16 M is below all depths. Careful depths are
+ * not brought down to the corners' range, only up to it: no triangle is drawn in front of its
+ * corners. */
+#ifndef SRC_DRAWN_PLANE_H
+#define SRC_DRAWN_PLANE_H
+
+#include "plane.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The plane depth = z + slope_x * X + slope_y * Y of a triangle, X and Y in texels, and how far it
+ * may lie in front of the true one near the triangle, up to a texel beyond its box: infinite for
+ * one that is not to be used. */
+typedef struct shb_occluder_plane {
+    double z, slope_x, slope_y, error;
+} shb_occluder_plane;
+
+/* What tells the rasterizer the planes of triangles. */
+typedef struct shb_plane_finder {
+    void (*find)(const struct shb_plane_finder *finder, size_t count, const uint32_t *ids,
+                 shb_occluder_plane *planes);
+    double slope_unit; /* of the slopes that are drawn, a power of two */
+} shb_plane_finder;
+
+/* The one at or below a number that is neither negative nor subnormal. */
+static inline double shb_power_of_two(double value) {
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    bits &= 0x7ff0000000000000u;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* Makes the plane of a triangle with this box of samples what is to be drawn of it. */
+static inline void shb_plane_raise(const shb_occluder_plane *found, int32_t x, int32_t y,
+                                   int32_t width, int32_t height, shb_plane *plane) {
+    const double u = 0x1p-24, e = 0x1p-53;
+    const double lo = fabs(plane->lo), hi = fabs(plane->hi);
+    const double largest = lo > hi ? lo : hi, smallest = lo < hi ? lo : hi;
+    const double gx = found->slope_x, gy = found->slope_y;
+    const double along = gx * (x + 0.5), above = gy * (y + 0.5);
+    const double z0 = ((found->z + along) + above) + found->error;
+    const double steep_x = fabs(gx), steep_y = fabs(gy);
+    const double across = steep_x * (width - 1) + steep_y * (height - 1);
+    plane->is_plain = plane->is_plain && 16 * across < smallest;
+    const double power = shb_power_of_two(largest + (steep_x + steep_y));
+    const double floats = u * (power + (plane->is_plain ? 4 * across : 0));
+    const double doubles =
+        8 * e * (((fabs(found->z) + fabs(along)) + (fabs(above) + fabs(z0))) + across);
+    plane->z0 = z0 + (floats + doubles) * (1 + 0x1p-10);
+    plane->gx = gx;
+    plane->gy = gy;
+    plane->hi = SHB_DEPTH_CEILING;
+}
+
+/* Depths of count samples of a row of such a plane, from i columns and j rows from its anchor on.
+ */
+static inline void shb_plane_raised_depths(const shb_plane *plane, int32_t i, int32_t j,
+                                           size_t count, float *restrict depths) {
+    const float anchor = (float)plane->z0, rest = (float)(plane->z0 - (double)anchor);
+    const float base = rest + (float)plane->gy * (float)j, gx = (float)plane->gx;
+    if (!plane->is_plain)
+        shb_plane_depths(plane, i, j, count, depths);
+    else
+        for (int32_t k = 0; k < (int32_t)count; k++)
+            depths[k] = anchor + (base + gx * (float)(i + k));
+}
+
+#endif
