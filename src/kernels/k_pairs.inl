@@ -141,12 +141,13 @@ static inline vi is_any_negative(vs pairs) {
  * holds none that is covered. first: the box's first sample. */
 static inline __attribute__((always_inline)) vi
 find_pair_edges(const vs corners[3], const vs steps[3], vs first, vs size, vi edges[3]) {
-    const vs target = vs_swap((first << 8) + 128);
+    const vs target = vs_swap(vs_times_256(first) + 128);
     vi upper[2] = {vi_splat(0), vi_splat(0)}, lower[2] = {vi_splat(0), vi_splat(0)};
     for (int k = 0; k < 3; k++) {
         /* The upper half less 1, then the lower half: negative, or 0 and the lower half negative */
         const vi bias = ((vi)steps[k] ^ (int32_t)0xffff0000u) >= INT16_MIN;
-        const vi edge = (vi_dot(steps[k], target - vs_swap(corners[k])) + bias) >> 8;
+        const vi sum = vi_dot(steps[k], vs_minus(target, vs_swap(corners[k])));
+        const vi edge = (vi)((vu)sum + (vu)bias) >> 8;
         const vi step_x = (vi)steps[k] >> 16, step_y = (vi)((vu)steps[k] << 16) >> 16;
         upper[0] |= edge;
         upper[1] |= edge + step_x;
@@ -172,27 +173,27 @@ static bool keep_pairs(const shb_chunk *chunk, const shb_tile *tile,
         vs corners[3];
         vs_look_up(placed->pairs, chunk->cluster.vertex_count,
                    chunk->cluster.corners + shb_corner_place((uint32_t)t, 0), corners);
-        const vs ab = corners[1] - corners[0], bc = corners[2] - corners[1];
-        const vs ca = corners[0] - corners[2];
+        const vs ab = vs_minus(corners[1], corners[0]), bc = vs_minus(corners[2], corners[1]);
+        const vs ca = vs_minus(corners[0], corners[2]);
         const vs lo = vs_min(vs_min(corners[0], corners[1]), corners[2]);
         const vs hi = vs_max(vs_max(corners[0], corners[1]), corners[2]);
         const vs first = (lo + 127) >> 8, size = ((hi - 129) >> 8) - first;
         const vs common = vs_min(first + size, within.last) - vs_max(first, within.first);
         /* ab.y * ca.x - ab.x * ca.y */
-        const vi area = vi_dot((ab ^ lower_half) - lower_half, vs_swap(ca));
+        const vi area = vi_dot(vs_minus(ab ^ lower_half, lower_half), vs_swap(ca));
         const vi dropped = is_any_negative(common) | (area == 0) | ((area > 0) & drop_positive) |
                            ((area < 0) & drop_negative);
         /* dx, -dy for a positive area, else -dx, dy */
         const vs negated = (vs)((area >> 31) ^ upper_half);
-        const vs steps[3] = {(ab ^ negated) - negated, (bc ^ negated) - negated,
-                             (ca ^ negated) - negated};
+        const vs steps[3] = {vs_minus(ab ^ negated, negated), vs_minus(bc ^ negated, negated),
+                             vs_minus(ca ^ negated, negated)};
         vi edges[3];
         const vi missed = find_pair_edges(corners, steps, first, size, edges);
         const uint32_t bits = ~vi_bits(dropped | missed) & WIDE_BITS;
         own += dropped | is_any_negative(first - within.own);
         larger |= (vi)(size > PAIRS_SIZE_MAX - 1);
         vi_keep(kept->triangle + count, vi_numbers() + t, bits);
-        vi_keep(kept->box + count, (vi)((first & 0xff) | size << 8), bits);
+        vi_keep(kept->box + count, (vi)((first & 0xff) | vs_times_256(size)), bits);
         for (int k = 0; k < 3; k++)
             vi_keep(kept->edge[k] + count, edges[k], bits);
         for (int k = 0; k < 2; k++)

@@ -6,11 +6,19 @@
 #include "vectors.h"
 
 typedef int16_t vs __attribute__((vector_size(4 * WIDE)));
+typedef uint16_t vs_bits __attribute__((vector_size(4 * WIDE)));
 
 #define WIDE_BITS ((1u << WIDE) - 1)
 
 static inline vs vs_splat(int32_t x, int32_t y) {
     return (vs)vi_splat((int32_t)((uint32_t)(x & 0xffff) | (uint32_t)y << 16));
+}
+/* a - b and a * 2^8, modulo 2^16: of triangles that are too large all is computed, but not used. */
+static inline vs vs_minus(vs a, vs b) {
+    return (vs)((vs_bits)a - (vs_bits)b);
+}
+static inline vs vs_times_256(vs a) {
+    return (vs)((vs_bits)a << 8);
 }
 /* (y, x) */
 static inline vs vs_swap(vs v) {
