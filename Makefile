@@ -13,7 +13,7 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion
 STRICT := -std=c11 -ffp-contract=off -fno-math-errno -D_POSIX_C_SOURCE=200809L
 FLAGS_release := -O3 -DNDEBUG
 FLAGS_debug := -O0 -g
-FLAGS_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+FLAGS_sanitize := -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_coverage := -O0 -g --coverage
 ifeq ($(FLAGS_$(config)),)
 $(error config=$(config) is not one of release, debug, sanitize, coverage)
