@@ -326,12 +326,12 @@ typedef struct block_edges {
  * known already. */
 static void find_wide_edges(const chunk_boxes *boxes, const chunk_planes *planes, int t,
                             int64_t first[3]) {
-    const bool fit = boxes->width[t] < 128 && boxes->height[t] < 128;
-    for (int k = 0; k < 3; k++) {
-        if (fit) {
+    if (boxes->width[t] < 128 && boxes->height[t] < 128) {
+        for (int k = 0; k < 3; k++)
             first[k] = planes->edge[k][t];
-            continue;
-        }
+        return;
+    }
+    for (int k = 0; k < 3; k++) {
         const int64_t dx = planes->edge_y[k][t], dy = -(int64_t)planes->edge_x[k][t];
         const int64_t to_x = (int64_t)boxes->x[t] * 256 + 128 - boxes->corner_x[k][t];
         const int64_t to_y = (int64_t)boxes->y[t] * 256 + 128 - boxes->corner_y[k][t];

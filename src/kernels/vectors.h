@@ -13,13 +13,6 @@ static inline vf vf_splat(float value) {
 static inline vi vi_splat(int32_t value) {
     return value - (vi){0};
 }
-/* 0, 1, 2, ... */
-static inline vi vi_lanes(void) {
-    vi v;
-    for (int i = 0; i < WIDE; i++)
-        v[i] = i;
-    return v;
-}
 static inline vf vf_load(const float *p) {
     vf v;
     memcpy(&v, p, sizeof v);

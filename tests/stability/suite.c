@@ -50,13 +50,9 @@ static shb_result run_certain(const stability_stage *stage, const stability_case
 shb_result stability_open(shb_context *context, const stability_options *options,
                           const stability_case *c, uint32_t reach, stability_stage *stage) {
     const uint32_t width = options->quick ? 160 : 320, height = options->quick ? 120 : 240;
-    shb_result result =
+    const shb_result result =
         stability_stage_open(context, c, width, height, options->map_size, reach, stage);
-    if (!result && options->named)
-        result = stability_name_points(stage);
-    if (result)
-        stability_stage_close(stage);
-    return result;
+    return !result && options->named ? stability_name_points(stage) : result;
 }
 
 static bool run_case(shb_context *context, const stability_options *options,

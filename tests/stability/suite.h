@@ -19,7 +19,7 @@ typedef struct stability_options {
 bool stability_wants_method(const stability_options *options, const char *name);
 bool stability_wants_case(const stability_options *options, const stability_case *c);
 
-/* The stage of a case, with the frame of the options. */
+/* The stage of a case, with the frame of the options; to be closed even where it fails. */
 shb_result stability_open(shb_context *context, const stability_options *options,
                           const stability_case *c, uint32_t reach, stability_stage *stage);
 
