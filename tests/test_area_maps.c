@@ -43,6 +43,16 @@ static shb_view look_along(bool reversed) {
     return view;
 }
 
+/* The square light over the soup. */
+static shb_area_desc describe(soup *s, const shb_bias *bias, shb_view view, uint32_t width,
+                              uint32_t samples) {
+    return (shb_area_desc){.scene = soup_scene(s),
+                           .area = square,
+                           .map = {.view = view, .width = width},
+                           .samples = samples,
+                           .bias = bias};
+}
+
 static shb_result ask(shb_context *context, const shb_area_desc *desc, const float *positions,
                       float *visibility) {
     const shb_points points = {.count = POINTS, .positions = positions};
@@ -194,11 +204,7 @@ TEST(maps_converge_to_the_rays) {
         places[i] = (shb_vec3){(double)positions[3 * i], (double)positions[3 * i + 1], 0};
     }
     const shb_bias none = shb_bias_none();
-    const shb_area_desc desc = {.scene = soup_scene(&s),
-                                .area = square,
-                                .map = {.view = look_down(true), .width = 512},
-                                .samples = 512,
-                                .bias = &none};
+    const shb_area_desc desc = describe(&s, &none, look_down(true), 512, 512);
     const shb_area_points points = {.count = POINTS, .positions = places};
     shb_reference *reference;
     CHECK_INT(shb_reference_create(context, desc.scene, &reference), SHB_OK);
@@ -264,11 +270,7 @@ TEST(maps_answer_the_same_for_any_number_of_threads) {
     for (int i = 0; i < COUNT * STRIDE; i++)
         positions[i] = i % STRIDE == 2 ? 0 : (float)random_double(&random, -1, 1);
     const shb_bias none = shb_bias_none();
-    const shb_area_desc desc = {.scene = soup_scene(&s),
-                                .area = square,
-                                .map = {.view = look_down(false), .width = 64},
-                                .samples = 10,
-                                .bias = &none};
+    const shb_area_desc desc = describe(&s, &none, look_down(false), 64, 10);
     for (uint32_t threads = 1; threads <= 3; threads += 2) {
         shb_context *context = make_context(threads);
         const shb_points points = {
@@ -289,11 +291,7 @@ TEST(maps_of_area_lights_refuse_bad_arguments) {
     soup s = {0};
     add_roof(&s, 0);
     const shb_bias none = shb_bias_none();
-    const shb_area_desc good = {.scene = soup_scene(&s),
-                                .area = square,
-                                .map = {.view = look_down(false), .width = 8},
-                                .samples = 2,
-                                .bias = &none};
+    const shb_area_desc good = describe(&s, &none, look_down(false), 8, 2);
     const float position[3] = {0, 0, 0};
     const shb_points points = {.count = 1, .positions = position};
     float v = 9;
@@ -336,11 +334,7 @@ TEST(maps_of_area_lights_survive_the_end_of_memory) {
     soup s = {0};
     add_roof(&s, 0);
     const shb_bias none = shb_bias_none();
-    const shb_area_desc desc = {.scene = soup_scene(&s),
-                                .area = square,
-                                .map = {.view = look_down(false), .width = 8},
-                                .samples = 2,
-                                .bias = &none};
+    const shb_area_desc desc = describe(&s, &none, look_down(false), 8, 2);
     const float position[3] = {0, 0, 0};
     const shb_points points = {.count = 1, .positions = position};
     size_t failures = 0;

@@ -114,13 +114,18 @@ static void check_formats(const shb_view *view, const shb_scene *scene) {
     test_contexts_destroy(contexts);
 }
 
-TEST(unorm_layers_are_the_float_layers_rounded_away_from_the_viewer) {
-    enum { TRIANGLES = 80 };
-    test_random random = {31};
-    float positions[9 * TRIANGLES];
-    for (int i = 0; i < 9 * TRIANGLES; i++)
+/* Corners in front of the target and around it. */
+static void place_corners(uint64_t seed, int count, float *positions) {
+    test_random random = {seed};
+    for (int i = 0; i < 3 * count; i++)
         positions[i] =
             (float)(i % 3 == 2 ? random_double(&random, 0, 1) : random_double(&random, -10, 40));
+}
+
+TEST(unorm_layers_are_the_float_layers_rounded_away_from_the_viewer) {
+    enum { TRIANGLES = 80 };
+    float positions[9 * TRIANGLES];
+    place_corners(31, 3 * TRIANGLES, positions);
     const shb_mesh mesh = {
         .positions = positions, .vertex_count = 3 * TRIANGLES, .triangle_count = TRIANGLES};
     const shb_instance instance = {.mesh = &mesh};
@@ -174,11 +179,8 @@ TEST(padding_between_rows_is_not_written) {
 /* Any subset of the images gives the same texels as all of them. */
 TEST(images_that_are_not_wanted_change_nothing) {
     enum { TRIANGLES = 60 };
-    test_random random = {32};
     float positions[9 * TRIANGLES];
-    for (int i = 0; i < 9 * TRIANGLES; i++)
-        positions[i] =
-            (float)(i % 3 == 2 ? random_double(&random, 0, 1) : random_double(&random, -10, 40));
+    place_corners(32, 3 * TRIANGLES, positions);
     const shb_mesh mesh = {
         .positions = positions, .vertex_count = 3 * TRIANGLES, .triangle_count = TRIANGLES};
     const shb_instance instance = {.mesh = &mesh};

@@ -25,6 +25,15 @@ static const depth_goal depth_goals[] = {
 
 static const double adaptive_goals[GOAL_ISAS] = {2.8, 2.0, 1.6};
 
+bool goals_report_time(bench_session *session, bench_work work, const char *unit, double scale,
+                       bench_row *row) {
+    const shb_result result = bench_measure(work, BENCH_CLOCK_THREAD, session->plan, &row->times);
+    row->measured = scale * row->times.median;
+    if (!result)
+        report_goal(session, row, unit, scale * row->times.least, false);
+    return session_succeeds(row->stage, result);
+}
+
 static bool report_depth_goal(bench_session *session, const depth_goal *goal,
                               const example_scene *scene, int isa) {
     shb_context *context = session->capped[goal_isas[isa]];
@@ -43,13 +52,9 @@ static bool report_depth_goal(bench_session *session, const depth_goal *goal,
         !session_succeeds(goal->scene, draw_work_create(context, &scene->scene, &view, goal->size,
                                                         goal->size, DRAW_DEPTH, &work)))
         return false;
-    const shb_result result =
-        bench_measure(draw_work_of(&work), BENCH_CLOCK_THREAD, session->plan, &row.times);
+    const bool done = goals_report_time(session, draw_work_of(&work), "ms", 1e3, &row);
     draw_work_destroy(&work);
-    row.measured = 1e3 * row.times.median;
-    if (!result)
-        report_goal(session, &row, "ms", 1e3 * row.times.least, false);
-    return session_succeeds(goal->scene, result);
+    return done;
 }
 
 static bool measure_depth_goal(bench_session *session, const depth_goal *goal,
@@ -96,13 +101,10 @@ static bool report_adaptive_goal(bench_session *session, const measure_frame *fr
     if (!session_succeeds("hills", light_work_create(session->capped[goal_isas[isa]], frame,
                                                      row.size, &bias, &work)))
         return false;
-    const shb_result result =
-        bench_measure(light_work_visibility(&work), BENCH_CLOCK_THREAD, session->plan, &row.times);
+    const bool done =
+        goals_report_time(session, light_work_visibility(&work), "ns", 1e9 / row.items, &row);
     light_work_destroy(&work);
-    row.measured = 1e9 * row.times.median / row.items;
-    if (!result)
-        report_goal(session, &row, "ns", 1e9 * row.times.least / row.items, false);
-    return session_succeeds("hills", result);
+    return done;
 }
 
 static bool measure_adaptive_goal(bench_session *session) {

@@ -220,13 +220,9 @@ static bool report_culled(bench_session *session, const char *title, example_sce
     row.size = 64;
     if (!session_succeeds(row.stage, create_draw(context, scene, row.size, DRAW_DEPTH, &work)))
         return false;
-    const shb_result result =
-        bench_measure(draw_work_of(&work), BENCH_CLOCK_THREAD, session->plan, &row.times);
+    const bool done = goals_report_time(session, draw_work_of(&work), "ns", 1e9 / row.items, &row);
     draw_work_destroy(&work);
-    row.measured = 1e9 * row.times.median / row.items;
-    if (!result)
-        report_goal(session, &row, "ns", 1e9 * row.times.least / row.items, false);
-    return session_succeeds(row.stage, result);
+    return done;
 }
 
 static bool measure_culled(bench_session *session) {
@@ -274,13 +270,10 @@ static bool measure_hard(bench_session *session, const measure_frame *frame) {
     if (!session_succeeds(row.stage,
                           light_work_create(context, frame, RATIO_SIZE, &constant, &work)))
         return false;
-    const shb_result result =
-        bench_measure(light_work_visibility(&work), BENCH_CLOCK_THREAD, session->plan, &row.times);
+    const bool done =
+        goals_report_time(session, light_work_visibility(&work), "ns", 1e9 / row.items, &row);
     light_work_destroy(&work);
-    row.measured = 1e9 * row.times.median / row.items;
-    if (!result)
-        report_goal(session, &row, "ns", 1e9 * row.times.least / row.items, false);
-    return session_succeeds(row.stage, result);
+    return done;
 }
 
 static bool measure_light_ratios(bench_session *session) {

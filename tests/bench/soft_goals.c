@@ -1,6 +1,7 @@
 /* Times of filters with a goal: one thread, 256-bit vectors. */
 #include "soft_shadows.h"
 
+#include "goals.h"
 #include "soft_work.h"
 #include "subjects.h"
 
@@ -84,13 +85,10 @@ static bool measure_goal(bench_session *session, shb_context *context, const sof
     soft_work work;
     if (!session_succeeds(goal->name, soft_work_create(context, &view->frame, &goal->desc, &work)))
         return false;
-    const shb_result result =
-        bench_measure(soft_work_visibility(&work), BENCH_CLOCK_THREAD, session->plan, &row.times);
+    const bool done =
+        goals_report_time(session, soft_work_visibility(&work), "ns", 1e9 / row.items, &row);
     soft_work_destroy(&work);
-    row.measured = 1e9 * row.times.median / row.items;
-    if (!result)
-        report_goal(session, &row, "ns", 1e9 * row.times.least / row.items, false);
-    return session_succeeds(goal->name, result);
+    return done;
 }
 
 static bool report_ratio(bench_session *session, const soft_view *view, shb_context *context,
