@@ -11,7 +11,7 @@ typedef struct comparison {
     const char *peer;
     char title[48];
     shb_context *context; /* one thread */
-    const example_scene *scene;
+    example_scene *scene;
     measure_frame frame;
     world_mesh mesh;
     bench_plan plan;
