@@ -7,6 +7,9 @@
 /* What an element of a host's normal may be off by: four roundings of a unit vector in float. */
 #define SHB_NORMAL_ERROR 0x1p-22
 
+/* What snapping moves a corner by on either axis, in texels, and its rounding. */
+#define SHB_SNAPPED_TEXELS (0x1p-9 * (1 + 0x1p-10))
+
 #include "mutual_planes.inl"
 
 /* A fragment as its own plane and place in the map, everything with bounds. */

@@ -34,7 +34,10 @@ REAL_INLINE REAL REAL_NAME(exact_error_of)(const REAL_NAME(light_point) * point,
            (slopes->error_x * moved_x + slopes->error_y * moved_y);
 }
 
-/* One bit a lane. error: exact_error_of. Comparisons with NaN are false: lit. */
+/* One bit a lane. error: exact_error_of. Corners are snapped to the rasterizer's grid, so the
+ * occluder may end as far before the centre that it covers as that moves them, and there its plane
+ * has come nearer to the fragment's. So a convex body does not shadow itself. Comparisons with NaN
+ * are false: lit. */
 REAL_INLINE uint32_t REAL_NAME(exact_shadowed_bits)(const REAL_NAME(light_point) * point,
                                                     const REAL_NAME(light_slopes) * slopes,
                                                     REAL error,
@@ -42,7 +45,9 @@ REAL_INLINE uint32_t REAL_NAME(exact_shadowed_bits)(const REAL_NAME(light_point)
     const REAL to_x = sample->center_x - point->x, to_y = sample->center_y - point->y;
     const REAL far_x = REAL_ABS(to_x), far_y = REAL_ABS(to_y);
     const REAL own = point->z + (slopes->x * to_x + slopes->y * to_y);
-    const REAL own_error = error + (slopes->error_x * far_x + slopes->error_y * far_y);
+    const REAL turn = REAL_ABS(slopes->x - sample->slope_x) + REAL_ABS(slopes->y - sample->slope_y);
+    const REAL own_error = (error + (slopes->error_x * far_x + slopes->error_y * far_y)) +
+                           turn * SHB_SNAPPED_TEXELS;
     const REAL occluder = sample->depth - (sample->slope_x * to_x + sample->slope_y * to_y);
     const REAL occluder_error =
         REAL_NAME(light_point_error)(point, sample->slope_x, sample->slope_y) +

@@ -44,3 +44,19 @@ TEST(a_sample_of_the_fragments_own_plane_does_not_shadow_it) {
     sample.depth -= 1e-6;
     CHECK(shb_exact_is_shadowed(&fragment, &sample));
 }
+
+/* A plane that falls away to the left of the fragment's level one, from an edge beside the centre
+ * on, as a convex body does; the sample holds it where snapping has moved the edge over the centre,
+ * which is by 1/512 = 0.00195 texel at most. */
+static shb_exact_sample sample_beyond_edge(double edge_from_center) {
+    shb_exact_sample sample = sample_on_slope(-2);
+    sample.depth = 0.5 + 2 * edge_from_center;
+    return sample;
+}
+
+TEST(a_convex_edge_that_snapping_moved_over_a_sample_does_not_shadow_it) {
+    const shb_exact_fragment level = fragment_on_slope(0);
+    const shb_exact_sample moved = sample_beyond_edge(-0.0019), far = sample_beyond_edge(-0.002);
+    CHECK(!shb_exact_is_shadowed(&level, &moved));
+    CHECK(shb_exact_is_shadowed(&level, &far));
+}
