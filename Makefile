@@ -133,10 +133,17 @@ report: $(BUILD)/report
 readme-report: $(BUILD)/report
 	$(Q)$(BUILD)/report --out $(REPORT_OUT) $(if $(QUICK),--quick) --readme README.md
 
+VERSION = $(shell awk '/_VERSION_/ { text = text dot $$3; dot = "." } END { print text }' \
+	include/shadowbias/base.h)
+
 install: $(LIBRARY)
-	$(Q)mkdir -p $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include/shadowbias
+	$(Q)mkdir -p $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include/shadowbias
 	$(Q)cp $(LIBRARY) $(DESTDIR)$(PREFIX)/lib/
 	$(Q)cp include/shadowbias/*.h $(DESTDIR)$(PREFIX)/include/shadowbias/
+	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'Name: shadowbias' 'Description: shadow maps on the CPU' \
+		"Version: $(VERSION)" 'Cflags: -I$${prefix}/include' \
+		'Libs: -L$${prefix}/lib -lshadowbias -lm -pthread' \
+		>$(DESTDIR)$(PREFIX)/lib/pkgconfig/shadowbias.pc
 	@echo "installed to $(DESTDIR)$(PREFIX)"
 
 clean:
