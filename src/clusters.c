@@ -5,6 +5,7 @@
 #include "cluster_bounds.h"
 #include "cluster_order.h"
 #include "scene.h"
+#include "topology.h"
 
 #include <string.h>
 
@@ -128,6 +129,7 @@ static shb_clusters *reserve(const shb_context *context, const shb_mesh *mesh,
         .context = context,
         .vertex_count = mesh->vertex_count,
         .triangle_count = mesh->triangle_count,
+        .key = shb_mesh_key(mesh),
         .count = room->count,
         .clusters = shb_alloc(context, room->count, sizeof *clusters->clusters),
         .positions = shb_alloc(context, room->places, 3 * sizeof *clusters->positions),

@@ -25,6 +25,7 @@ typedef struct shb_cluster {
 struct shb_clusters {
     const shb_context *context;            /* whose memory it is */
     uint32_t vertex_count, triangle_count; /* of the mesh */
+    uint64_t key;                          /* of the mesh, see topology.h */
     size_t count;
     shb_cluster *clusters;
     float *positions;    /* of each cluster all x, all y, all z: three for a place */

@@ -4,6 +4,7 @@
 
 #include "topology.h"
 
+#include "clusters.h"
 #include "scene.h"
 
 #include <string.h>
@@ -27,32 +28,38 @@ static void add_words(key_sums *key, size_t number, const uint32_t words[3]) {
     *sum = mix((*sum ^ words[0]) + ((uint64_t)words[1] << 32)) ^ words[2];
 }
 
-static void add_mesh(key_sums *key, const shb_mesh *mesh) {
+static uint64_t key_of(const key_sums *key) {
+    return mix(mix(mix(mix(key->sums[0]) ^ key->sums[1]) ^ key->sums[2]) ^ key->sums[3]);
+}
+
+uint64_t shb_mesh_key(const shb_mesh *mesh) {
+    key_sums key = {{1, 2, 3, 4}};
     const uint32_t counts[3] = {mesh->vertex_count, mesh->triangle_count, 0};
     uint32_t words[3];
-    add_words(key, 0, counts);
+    add_words(&key, 0, counts);
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         memcpy(words, shb_mesh_position(mesh, i), sizeof words);
-        add_words(key, i, words);
+        add_words(&key, i, words);
     }
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         shb_mesh_triangle(mesh, t, words);
-        add_words(key, t, words);
+        add_words(&key, t, words);
     }
+    return key_of(&key);
 }
 
 uint64_t shb_topology_key(const shb_scene *scene) {
     key_sums key = {{1, 2, 3, 4}};
     for (size_t i = 0; i < scene->instance_count; i++) {
         const shb_mat4 transform = shb_instance_transform(&scene->instances[i]);
-        uint32_t words[32];
-        memcpy(words, transform.m, sizeof words);
-        for (size_t k = 0; k + 3 <= 32; k += 2)
+        const shb_mesh *mesh = scene->instances[i].mesh;
+        const uint64_t mesh_key = mesh->clusters ? mesh->clusters->key : shb_mesh_key(mesh);
+        uint32_t words[36] = {(uint32_t)mesh_key, (uint32_t)(mesh_key >> 32), mesh->triangle_count};
+        memcpy(words + 4, transform.m, sizeof transform.m);
+        for (size_t k = 0; k < 36; k += 3)
             add_words(&key, k, words + k);
-        add_words(&key, 0, words + 29);
-        add_mesh(&key, scene->instances[i].mesh);
     }
-    return mix(mix(mix(mix(key.sums[0]) ^ key.sums[1]) ^ key.sums[2]) ^ key.sums[3]);
+    return key_of(&key);
 }
 
 /* A place of the table for up to count entries that is free for less than half of them. */

@@ -46,8 +46,11 @@ static inline bool shb_neighbour_is_turned(uint32_t neighbour) {
     return neighbour & 4;
 }
 
-/* A hash of everything that the topology depends on: transforms, positions, indices. Scenes that
- * differ have equal ones once in 2^64. */
+/* A hash of a mesh's positions and indices. */
+uint64_t shb_mesh_key(const shb_mesh *mesh);
+
+/* A hash of everything that the topology depends on: transforms, positions, indices, those of a
+ * mesh with clusters as they were then. Scenes that differ have equal ones once in 2^64. */
 uint64_t shb_topology_key(const shb_scene *scene);
 
 /* Fills the topology of a scene that has passed the checks of drawing; false: out of memory, or

@@ -65,9 +65,9 @@ static void check_complete(const shb_mesh *mesh, const shb_clusters *clusters) {
             for (uint32_t k = 0; k < 3; k++) {
                 const uint32_t local =
                     clusters->corners[cluster->first_corner + shb_corner_place(t, k)];
-                const uint32_t vertex =
-                    mesh->indices ? ((const uint32_t *)mesh->indices)[3 * number + k]
-                                  : 3 * number + k;
+                const uint32_t vertex = mesh->indices
+                                            ? ((const uint32_t *)mesh->indices)[3 * number + k]
+                                            : 3 * number + k;
                 for (size_t axis = 0; axis < 3; axis++) {
                     const float p = positions[axis * places + local];
                     right &= memcmp(&p, &mesh->positions[3 * vertex + axis], sizeof p) == 0;
@@ -127,6 +127,42 @@ TEST(clusters_of_loose_triangles_have_vertices_that_a_byte_can_count) {
     shb_clusters_destroy(clusters);
     shb_context_destroy(context);
     soup_free(&s);
+}
+
+/* By every vertex that a triangle uses: a mesh without clusters has its own way. */
+TEST(clusters_know_the_bounds_of_a_scene) {
+    enum { TRIANGLES = 1500, VERTICES = 700 };
+    static float positions[3 * VERTICES];
+    static uint32_t indices[3 * TRIANGLES];
+    test_random random = {11};
+    shb_context *context = make_context();
+    for (int round = 0; round < 40; round++) {
+        for (int i = 0; i < 3 * VERTICES; i++)
+            positions[i] = (float)random_double(&random, -3, round % 2 ? 5 : 1);
+        for (int i = 0; i < round % 5; i++)
+            positions[random_below(&random, 3 * VERTICES)] = i % 2 ? NAN : -INFINITY;
+        /* The last vertices are used by no triangle. */
+        for (int i = 0; i < 3 * TRIANGLES; i++)
+            indices[i] = random_below(&random, VERTICES - 50);
+        shb_mesh mesh = {.positions = positions,
+                         .vertex_count = VERTICES,
+                         .indices = indices,
+                         .triangle_count = TRIANGLES};
+        shb_instance instances[2] = {{.mesh = &mesh}, {.mesh = &mesh}};
+        instances[round % 2].world_from_mesh = shb_mat4_multiply(
+            shb_mat4_translation(random_double(&random, -1e3, 1e3), 2, -5),
+            shb_mat4_rotation((shb_vec3){1, -2, 3}, random_double(&random, 0, 6)));
+        const shb_scene scene = {instances, 2};
+        shb_box expected, bounds;
+        shb_clusters *clusters = NULL;
+        CHECK_INT(shb_scene_bounds(&scene, &expected), SHB_OK);
+        CHECK_INT(shb_clusters_create(context, &mesh, &clusters), SHB_OK);
+        mesh.clusters = clusters;
+        CHECK_INT(shb_scene_bounds(&scene, &bounds), SHB_OK);
+        CHECK(memcmp(&bounds, &expected, sizeof bounds) == 0);
+        shb_clusters_destroy(clusters);
+    }
+    shb_context_destroy(context);
 }
 
 TEST(a_mesh_without_triangles_has_no_clusters) {
