@@ -194,13 +194,23 @@ static int32_t floor_to_int(double pixels) {
     return (int32_t)(inside + 2 * SHB_GUARD_PIXELS) - (int32_t)(2 * SHB_GUARD_PIXELS);
 }
 
-/* The samples of the target whose centres lie within the box, or next to it. */
-static shb_samples samples_in(const shb_cluster_view *view, const window_box *window) {
-    const shb_samples samples = {floor_to_int(window->x.lo + 0.5 - 2 * SNAP_DOUBT),
-                                 floor_to_int(window->y.lo + 0.5 - 2 * SNAP_DOUBT),
-                                 floor_to_int(window->x.hi - 0.5 + 2 * SNAP_DOUBT),
-                                 floor_to_int(window->y.hi - 0.5 + 2 * SNAP_DOUBT)};
-    return shb_samples_intersect(samples, view->target->samples);
+/* The samples whose centres lie within the box, or next to it. */
+static shb_samples samples_in(const window_box *window) {
+    return (shb_samples){floor_to_int(window->x.lo + 0.5 - 2 * SNAP_DOUBT),
+                         floor_to_int(window->y.lo + 0.5 - 2 * SNAP_DOUBT),
+                         floor_to_int(window->x.hi - 0.5 + 2 * SNAP_DOUBT),
+                         floor_to_int(window->y.hi - 0.5 + 2 * SNAP_DOUBT)};
+}
+
+/* From the first sample to the origin of a small cluster, and from there to the last one: a
+ * vertex lies at most 1.5 samples beyond. */
+#define ORIGIN_DISTANCE (SHB_PAIR_REACH / SHB_SUBPIXELS - 1)
+
+static void find_origin(const shb_samples *samples, shb_seen_cluster *seen) {
+    seen->is_small = samples->last_column - samples->first_column <= 2 * ORIGIN_DISTANCE &&
+                     samples->last_row - samples->first_row <= 2 * ORIGIN_DISTANCE;
+    seen->origin_x = samples->first_column + ORIGIN_DISTANCE;
+    seen->origin_y = samples->first_row + ORIGIN_DISTANCE;
 }
 
 /* No normal of the cone has a larger product with v; HUGE_VAL: it says nothing. */
@@ -250,6 +260,7 @@ shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluste
                                   shb_seen_cluster *seen) {
     seen->samples = view->target->samples;
     seen->nearest = -HUGE_VALF;
+    seen->is_small = false;
     if (!(cluster->lo[0] == cluster->lo[0]))
         return SHB_CLUSTER_DOUBTFUL;
     const middle_box box = middle_of(cluster);
@@ -277,7 +288,9 @@ shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluste
     if (!is_before_eye(view, &box, z) || !(largest(window.x) <= guard) ||
         !(largest(window.y) <= guard))
         return SHB_CLUSTER_DOUBTFUL;
-    seen->samples = samples_in(view, &window);
+    const shb_samples samples = samples_in(&window);
+    find_origin(&samples, seen);
+    seen->samples = shb_samples_intersect(samples, view->target->samples);
     seen->nearest = nearest_sample(depth);
     if (shb_samples_are_empty(seen->samples))
         return SHB_CLUSTER_DROPPED;

@@ -61,7 +61,7 @@ typedef enum shb_cluster_fate {
 
 shb_cluster_view shb_cluster_view_of(const shb_draw_instance *instance, const shb_target *target);
 
-/* Fills in the samples and the nearest depth of a cluster that is not dropped. */
+/* Fills in the samples, the nearest depth and the origin of a cluster that is not dropped. */
 shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluster *cluster,
                                   shb_seen_cluster *seen);
 

@@ -21,17 +21,18 @@ typedef struct list_job {
     } * seen; /* one a task */
 } list_job;
 
-static shb_chunk chunk_of(const shb_draw_instance *instance, const shb_cluster *cluster) {
+static shb_chunk chunk_of(const shb_draw_instance *instance, const shb_cluster *cluster,
+                          const shb_seen_cluster *seen) {
     const shb_clusters *clusters = instance->clusters;
-    return (shb_chunk){
-        .instance = instance,
-        .triangles = clusters->triangles + cluster->first_triangle,
-        .count = cluster->triangle_count,
-        .cluster = {.positions = clusters->positions + 3 * cluster->first_vertex,
-                    .corners = clusters->corners + cluster->first_corner,
-                    .vertex_count = cluster->vertex_count,
-                    .places = (uint32_t)shb_cluster_places(cluster->vertex_count)},
-    };
+    shb_chunk chunk = {.instance = instance,
+                       .triangles = clusters->triangles + cluster->first_triangle,
+                       .count = cluster->triangle_count,
+                       .cluster = *seen};
+    chunk.cluster.positions = clusters->positions + 3 * cluster->first_vertex;
+    chunk.cluster.corners = clusters->corners + cluster->first_corner;
+    chunk.cluster.vertex_count = cluster->vertex_count;
+    chunk.cluster.places = (uint32_t)shb_cluster_places(cluster->vertex_count);
+    return chunk;
 }
 
 /* Lists what is seen of a run of the instance's clusters. */
@@ -40,16 +41,12 @@ static void list_run(const list_job *job, const shb_draw_instance *instance, uin
     const shb_cluster_view *view = &job->views[instance - job->geometry->instances];
     const shb_cluster *clusters = instance->clusters->clusters + first;
     for (uint64_t i = 0; i < count; i++) {
-        shb_seen_cluster looked;
+        shb_seen_cluster looked = {.target = job->target};
         const shb_cluster_fate fate = shb_cluster_look(view, &clusters[i], &looked);
         if (fate == SHB_CLUSTER_DROPPED)
             continue;
-        shb_chunk *chunk = &chunks[seen->count++];
-        *chunk = chunk_of(instance, &clusters[i]);
-        chunk->cluster.target = job->target;
-        chunk->cluster.samples = looked.samples;
-        chunk->cluster.nearest = looked.nearest;
-        chunk->cluster.may_be_coded = fate == SHB_CLUSTER_DOUBTFUL;
+        looked.may_be_coded = fate == SHB_CLUSTER_DOUBTFUL;
+        chunks[seen->count++] = chunk_of(instance, &clusters[i], &looked);
         seen->doubtful |= fate == SHB_CLUSTER_DOUBTFUL;
     }
 }

@@ -9,6 +9,7 @@
 #include "test.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* What is dropped with its cluster has to be what the scalar code culls triangle by triangle. */
 
@@ -178,6 +179,15 @@ typedef struct tally {
     size_t dropped, plain, doubtful;
 } tally;
 
+/* True if the triangle's snapped corners are near enough to the cluster's origin. */
+static bool is_within_reach(const shb_seen_cluster *seen, const shb_shape *shape) {
+    bool within = true;
+    for (int k = 0; k < 3; k++)
+        within &= abs(shape->snapped_x[k] - 256 * seen->origin_x) <= SHB_PAIR_REACH &&
+                  abs(shape->snapped_y[k] - 256 * seen->origin_y) <= SHB_PAIR_REACH;
+    return within;
+}
+
 /* False if something is wrong with what is said about the cluster. */
 static bool check_cluster(const shb_target *target, const shb_draw_instance *instance,
                           const shb_cluster *cluster, tally *counts) {
@@ -200,6 +210,7 @@ static bool check_cluster(const shb_target *target, const shb_draw_instance *ins
             right &= outcome != SHB_OUTCOME_NOT_FINITE && is_usable(target, corners);
         if (fate != SHB_CLUSTER_PLAIN || outcome != SHB_OUTCOME_DRAWN)
             continue;
+        right &= !seen.is_small || is_within_reach(&seen, &shape);
         const shb_samples part = shb_samples_intersect(shape.samples, target->samples);
         const shb_samples both = shb_samples_intersect(part, seen.samples);
         right &= both.first_column == part.first_column && both.first_row == part.first_row &&

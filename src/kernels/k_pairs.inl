@@ -7,15 +7,10 @@
 typedef struct placed_cluster {
     SHB_ALIGN shb_vertex vertices[SHB_CLUSTER_VERTICES]; /* without what is snapped */
     int32_t pairs[SHB_CLUSTER_VERTICES];                 /* snapped x, y, from the origin */
-    int32_t origin_x, origin_y;                          /* samples */
 } placed_cluster;
 
-/* Window coordinates before they are turned into vertices. */
-typedef struct placed_coordinates {
-    SHB_ALIGN double x[SHB_CLUSTER_VERTICES];
-    double y[SHB_CLUSTER_VERTICES], z[SHB_CLUSTER_VERTICES];
-    int32_t snapped_x[SHB_CLUSTER_VERTICES], snapped_y[SHB_CLUSTER_VERTICES];
-} placed_coordinates;
+typedef uint64_t wide_bits __attribute__((vector_size(8 * DOUBLES)));
+typedef int32_t pair_words __attribute__((vector_size(4 * DOUBLES)));
 
 /* Boxes of kept triangles are at most so many samples wide and high: the differences of their
  * corners stay below 2^15. */
@@ -34,16 +29,26 @@ typedef struct kept_pairs {
     uint32_t own; /* how many have their box in the tile */
 } kept_pairs;
 
-static inline __attribute__((always_inline)) void place_coordinates(const shb_transform_job *job,
-                                                                    size_t places, bool affine,
-                                                                    placed_coordinates *placed) {
+/* The lowest 16 bits of each number. */
+static inline void store_pairs(int32_t *to, wd x, wd y) {
+    const wide_bits bits = ((wide_bits)x & 0xffff) | (wide_bits)y << 16;
+    const pair_words words = __builtin_convertvector(bits, pair_words);
+    memcpy(to, &words, sizeof words);
+}
+
+/* Snapped coordinates are the lowest bits of sums with 1.5 * 2^52, less whole samples. */
+static inline __attribute__((always_inline)) void place_vertices(const shb_transform_job *job,
+                                                                 const shb_seen_cluster *cluster,
+                                                                 bool affine,
+                                                                 placed_cluster *restrict placed) {
     wd m[16];
     for (int i = 0; i < 16; i++)
         m[i] = wd_splat(job->clip_from_mesh[i]);
     const wd half_width = wd_splat(job->half_width), half_height = wd_splat(job->half_height);
-    const wd down = wd_splat(-job->half_height), one = wd_splat(1.0);
-    const wd subpixels = wd_splat(256), rounding = wd_splat(0x1.8p52);
-    for (size_t i = 0; i < places; i += DOUBLES) {
+    const wd down = wd_splat(-job->half_height), one = wd_splat(1.0), subpixels = wd_splat(256);
+    const wd from_x = wd_splat(0x1.8p52 - 256.0 * cluster->origin_x);
+    const wd from_y = wd_splat(0x1.8p52 - 256.0 * cluster->origin_y);
+    for (size_t i = 0; i < cluster->places; i += DOUBLES) {
         const wd px = wd_load_floats(job->positions[0] + i);
         const wd py = wd_load_floats(job->positions[1] + i);
         const wd pz = wd_load_floats(job->positions[2] + i);
@@ -58,61 +63,19 @@ static inline __attribute__((always_inline)) void place_coordinates(const shb_tr
         }
         x = x * half_width + half_width;
         y = y * down + half_height;
-        wd_store(placed->x + i, x);
-        wd_store(placed->y + i, y);
-        wd_store(placed->z + i, z);
-        wd_store_ints(placed->snapped_x + i, (x * subpixels + rounding) - rounding);
-        wd_store_ints(placed->snapped_y + i, (y * subpixels + rounding) - rounding);
+        wd_store_quads((double *)(void *)&placed->vertices[i], sizeof(shb_vertex) / sizeof(double),
+                       x, y, z, z);
+        store_pairs(placed->pairs + i, x * subpixels + from_x, y * subpixels + from_y);
     }
 }
 
-/* Two vertices at a time. */
-static void store_positions(size_t places, const placed_coordinates *placed,
-                            shb_vertex *restrict vertices) {
-    for (size_t i = 0; i < places; i += 2) {
-        const pair x = *(const pair *)&placed->x[i], y = *(const pair *)&placed->y[i];
-        *(pair *)(void *)&vertices[i] = (pair){x[0], y[0]};
-        *(pair *)(void *)&vertices[i + 1] = (pair){x[1], y[1]};
-        vertices[i].z = placed->z[i];
-        vertices[i + 1].z = placed->z[i + 1];
-    }
-}
-
-/* False if the coordinates do not fit: the sums with 127 and -129 of find_boxes have to, too. */
-static bool pack_pairs(size_t places, const int32_t *restrict x, const int32_t *restrict y,
-                       placed_cluster *restrict placed) {
-    int32_t lo_x = INT32_MAX, hi_x = INT32_MIN, lo_y = INT32_MAX, hi_y = INT32_MIN;
-    for (size_t i = 0; i < places; i++) {
-        lo_x = MIN(lo_x, x[i]);
-        hi_x = MAX(hi_x, x[i]);
-        lo_y = MIN(lo_y, y[i]);
-        hi_y = MAX(hi_y, y[i]);
-    }
-    const int32_t left = ((lo_x - 129) & ~255) - INT16_MIN;
-    const int32_t top = ((lo_y - 129) & ~255) - INT16_MIN;
-    if (hi_x - left > INT16_MAX - 127 || hi_y - top > INT16_MAX - 127)
-        return false;
-    for (size_t i = 0; i < places; i++)
-        placed->pairs[i] = ((x[i] - left) & 0xffff) | (int32_t)((uint32_t)(y[i] - top) << 16);
-    placed->origin_x = left >> 8;
-    placed->origin_y = top >> 8;
-    return true;
-}
-
-/* False if the cluster is too large in the target. */
-static bool place_cluster(const shb_chunk *chunk, placed_cluster *placed) {
+static void place_cluster(const shb_chunk *chunk, placed_cluster *placed) {
     const shb_transform_job job = shb_cluster_job(chunk, NULL);
-    const size_t places = chunk->cluster.places;
-    placed_coordinates coordinates;
     prefetch_next(&chunk->cluster);
     if (job.affine)
-        place_coordinates(&job, places, true, &coordinates);
+        place_vertices(&job, &chunk->cluster, true, placed);
     else
-        place_coordinates(&job, places, false, &coordinates);
-    if (!pack_pairs(places, coordinates.snapped_x, coordinates.snapped_y, placed))
-        return false;
-    store_positions(places, &coordinates, placed->vertices);
-    return true;
+        place_vertices(&job, &chunk->cluster, false, placed);
 }
 
 /* The rectangle in samples from the origin, as far as pairs reach. */
@@ -141,18 +104,17 @@ static inline vi is_any_negative(vs pairs) {
  * holds none that is covered. first: the box's first sample. */
 static inline __attribute__((always_inline)) vi
 find_pair_edges(const vs corners[3], const vs steps[3], vs first, vs size, vi edges[3]) {
-    const vs target = vs_swap(vs_times_256(first) + 128);
+    const vs target = vs_times_256(first) + 128;
     vi upper[2] = {vi_splat(0), vi_splat(0)}, lower[2] = {vi_splat(0), vi_splat(0)};
     for (int k = 0; k < 3; k++) {
         /* The upper half less 1, then the lower half: negative, or 0 and the lower half negative */
         const vi bias = ((vi)steps[k] ^ (int32_t)0xffff0000u) >= INT16_MIN;
-        const vi sum = vi_dot(steps[k], vs_minus(target, vs_swap(corners[k])));
+        const vi sum = vi_dot(steps[k], vs_swap(vs_minus(target, corners[k])));
         const vi edge = (vi)((vu)sum + (vu)bias) >> 8;
-        const vi step_x = (vi)steps[k] >> 16, step_y = (vi)((vu)steps[k] << 16) >> 16;
         upper[0] |= edge;
-        upper[1] |= edge + step_x;
-        lower[0] |= edge + step_y;
-        lower[1] |= edge + step_x + step_y;
+        upper[1] |= edge + ((vi)steps[k] >> 16);
+        lower[0] |= edge + vi_dot(steps[k], vs_splat(1, 0));
+        lower[1] |= edge + vi_dot(steps[k], vs_splat(1, 1));
         edges[k] = edge;
     }
     const vi tiny = ((vi)size & (int32_t)0xfffefffeu) == 0;
@@ -162,9 +124,10 @@ find_pair_edges(const vs corners[3], const vs steps[3], vs first, vs size, vi ed
 /* Finds the triangles that may cover samples of the tile. False if one of them is too large. */
 static bool keep_pairs(const shb_chunk *chunk, const shb_tile *tile,
                        const placed_cluster *restrict placed, kept_pairs *restrict kept) {
-    const pair_rectangle within = rectangle_of(tile, placed->origin_x, placed->origin_y);
-    const vi drop_positive = vi_splat(chunk->instance->keep_positive ? 0 : -1);
-    const vi drop_negative = vi_splat(chunk->instance->keep_negative ? 0 : -1);
+    const pair_rectangle within =
+        rectangle_of(tile, chunk->cluster.origin_x, chunk->cluster.origin_y);
+    const vi keep_positive = vi_splat(chunk->instance->keep_positive ? -1 : 0);
+    const vi keep_negative = vi_splat(chunk->instance->keep_negative ? -1 : 0);
     const vi upper_half = vi_splat((int32_t)0xffff0000u);
     const vs lower_half = (vs)vi_splat(0xffff);
     vi own = vi_splat(0), larger = vi_splat(0);
@@ -181,8 +144,8 @@ static bool keep_pairs(const shb_chunk *chunk, const shb_tile *tile,
         const vs common = vs_min(first + size, within.last) - vs_max(first, within.first);
         /* ab.y * ca.x - ab.x * ca.y */
         const vi area = vi_dot(vs_minus(ab ^ lower_half, lower_half), vs_swap(ca));
-        const vi dropped = is_any_negative(common) | (area == 0) | ((area > 0) & drop_positive) |
-                           ((area < 0) & drop_negative);
+        const vi faces = ((area > 0) & keep_positive) | ((area < 0) & keep_negative);
+        const vi dropped = is_any_negative(common) | ~faces;
         /* dx, -dy for a positive area, else -dx, dy */
         const vs negated = (vs)((area >> 31) ^ upper_half);
         const vs steps[3] = {vs_minus(ab ^ negated, negated), vs_minus(bc ^ negated, negated),
@@ -192,13 +155,12 @@ static bool keep_pairs(const shb_chunk *chunk, const shb_tile *tile,
         const uint32_t bits = ~vi_bits(dropped | missed) & WIDE_BITS;
         own += dropped | is_any_negative(first - within.own);
         larger |= (vi)(size > PAIRS_SIZE_MAX - 1);
-        vi_keep(kept->triangle + count, vi_numbers() + t, bits);
-        vi_keep(kept->box + count, (vi)((first & 0xff) | vs_times_256(size)), bits);
+        vi_keep(kept->box, t, count, (vi)((first & 0xff) | vs_times_256(size)), bits);
         for (int k = 0; k < 3; k++)
-            vi_keep(kept->edge[k] + count, edges[k], bits);
+            vi_keep(kept->edge[k], t, count, edges[k], bits);
         for (int k = 0; k < 2; k++)
-            vi_keep(kept->step[k] + count, (vi)steps[k], bits);
-        count += __builtin_popcount(bits);
+            vi_keep(kept->step[k], t, count, (vi)steps[k], bits);
+        count = vi_keep_places(kept->triangle, t, count, bits);
     }
     int32_t others = 0;
     for (int i = 0; i < WIDE; i++)
@@ -208,18 +170,32 @@ static bool keep_pairs(const shb_chunk *chunk, const shb_tile *tile,
     return !vi_any((vi)((vu)larger | (vu)larger << 16));
 }
 
+/* Moves what was kept apart to the front. */
+static void close_up(kept_pairs *kept) {
+    for (int i = 0; i < kept->count; i++) {
+        const int32_t from = kept->triangle[i];
+        kept->box[i] = kept->box[from];
+        for (int k = 0; k < 3; k++)
+            kept->edge[k][i] = kept->edge[k][from];
+        for (int k = 0; k < 2; k++)
+            kept->step[k][i] = kept->step[k][from];
+    }
+}
+
 /* The kept triangles' boxes and edges, for all lanes. */
-static void expand_pairs(const placed_cluster *placed, kept_pairs *restrict kept,
+static void expand_pairs(const shb_seen_cluster *cluster, kept_pairs *restrict kept,
                          chunk_boxes *restrict boxes, chunk_planes *restrict planes) {
     const int count = kept->count, lanes = lanes_of(count);
+    if (KEEPS_APART)
+        close_up(kept);
     for (int i = count; i < lanes; i++) {
         kept->triangle[i] = kept->triangle[count - 1];
         kept->box[i] = kept->box[count - 1];
     }
     for (int i = 0; i < lanes; i++) {
         const uint32_t box = (uint32_t)kept->box[i];
-        boxes->x[i] = placed->origin_x + (int8_t)(box & 0xff);
-        boxes->y[i] = placed->origin_y + (int8_t)(box >> 16 & 0xff);
+        boxes->x[i] = cluster->origin_x + (int8_t)(box & 0xff);
+        boxes->y[i] = cluster->origin_y + (int8_t)(box >> 16 & 0xff);
         boxes->width[i] = (int32_t)(box >> 8 & 0xff) + 1;
         boxes->height[i] = (int32_t)(box >> 24) + 1;
         boxes->kept[i] = i < count;

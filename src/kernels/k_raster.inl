@@ -289,15 +289,14 @@ static sample_rectangle clip_cluster(const shb_tile *tile, const shb_seen_cluste
         MIN(samples->last_column + 1, tile->right), MIN(samples->last_row + 1, tile->y1)};
 }
 
-/* False, and nothing is drawn, if the cluster is too large in the target. */
+/* A small cluster. False, and nothing is drawn, if one of its triangles is too large. */
 static bool draw_pairs(const shb_chunk *chunk, const shb_tile *tile, bool hidden, uint32_t *own) {
     placed_cluster placed;
     kept_pairs kept;
     chunk_corners corners;
     chunk_boxes boxes;
     chunk_planes planes;
-    if (!place_cluster(chunk, &placed))
-        return false;
+    place_cluster(chunk, &placed);
     if (!keep_pairs(chunk, tile, &placed, &kept))
         return false;
     *own = kept.own;
@@ -305,17 +304,10 @@ static bool draw_pairs(const shb_chunk *chunk, const shb_tile *tile, bool hidden
         return true;
     const sample_rectangle reached = clip_cluster(tile, &chunk->cluster);
     clear_reached(tile, &reached);
-    expand_pairs(&placed, &kept, &boxes, &planes);
+    expand_pairs(&chunk->cluster, &kept, &boxes, &planes);
     fetch_kept(chunk->cluster.corners, &kept, placed.vertices, &corners);
     draw_corners(chunk, tile, kept.count, kept.triangle, &corners, &boxes, &planes);
     return true;
-}
-
-/* True if the cluster's vertices are all usable and may be near enough to each other for pairs. */
-static bool suits_pairs(const shb_seen_cluster *cluster) {
-    const shb_samples *samples = &cluster->samples;
-    return !cluster->may_be_coded && samples->last_column - samples->first_column < 256 &&
-           samples->last_row - samples->first_row < 256;
 }
 
 static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
@@ -323,7 +315,7 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     if (hidden && !tile->counts)
         return 0;
     uint32_t own_of_pairs;
-    if (!chunk->vertices && suits_pairs(&chunk->cluster) &&
+    if (!chunk->vertices && chunk->cluster.is_small &&
         draw_pairs(chunk, tile, hidden, &own_of_pairs))
         return own_of_pairs;
     shb_vertex local[SHB_CLUSTER_VERTICES];

@@ -20,13 +20,12 @@ static inline vs vs_minus(vs a, vs b) {
 static inline vs vs_times_256(vs a) {
     return (vs)((vs_bits)a << 8);
 }
-/* (y, x) */
-static inline vs vs_swap(vs v) {
-    return (vs)((vu)v >> 16 | (vu)v << 16);
-}
 
-/* vs_min, vs_max: of each number. vi_dot: a.x * b.x + a.y * b.y. */
+/* vs_swap: (y, x). vs_min, vs_max: of each number. vi_dot: a.x * b.x + a.y * b.y. */
 #if WIDE == 16
+static inline vs vs_swap(vs v) {
+    return (vs)_mm512_rol_epi32((__m512i)v, 16);
+}
 static inline vs vs_min(vs a, vs b) {
     return (vs)_mm512_min_epi16((__m512i)a, (__m512i)b);
 }
@@ -37,6 +36,10 @@ static inline vi vi_dot(vs a, vs b) {
     return (vi)_mm512_madd_epi16((__m512i)a, (__m512i)b);
 }
 #elif WIDE == 8
+static inline vs vs_swap(vs v) {
+    const __m256i low = _mm256_shufflelo_epi16((__m256i)v, _MM_SHUFFLE(2, 3, 0, 1));
+    return (vs)_mm256_shufflehi_epi16(low, _MM_SHUFFLE(2, 3, 0, 1));
+}
 static inline vs vs_min(vs a, vs b) {
     return (vs)_mm256_min_epi16((__m256i)a, (__m256i)b);
 }
@@ -47,6 +50,10 @@ static inline vi vi_dot(vs a, vs b) {
     return (vi)_mm256_madd_epi16((__m256i)a, (__m256i)b);
 }
 #elif defined(__x86_64__)
+static inline vs vs_swap(vs v) {
+    const __m128i low = _mm_shufflelo_epi16((__m128i)v, _MM_SHUFFLE(2, 3, 0, 1));
+    return (vs)_mm_shufflehi_epi16(low, _MM_SHUFFLE(2, 3, 0, 1));
+}
 static inline vs vs_min(vs a, vs b) {
     return (vs)_mm_min_epi16((__m128i)a, (__m128i)b);
 }
@@ -57,6 +64,9 @@ static inline vi vi_dot(vs a, vs b) {
     return (vi)_mm_madd_epi16((__m128i)a, (__m128i)b);
 }
 #else
+static inline vs vs_swap(vs v) {
+    return (vs)vrev32q_s16((int16x8_t)v);
+}
 static inline vs vs_min(vs a, vs b) {
     return (vs)vminq_s16((int16x8_t)a, (int16x8_t)b);
 }
@@ -108,33 +118,55 @@ vs_look_up(const int32_t *table, size_t count, const uint8_t *numbers, vs corner
 }
 #endif
 
-/* Stores the lanes whose bit is set, one after the other; what follows them is overwritten up to
- * WIDE numbers. */
+/* vi_keep: keeps the lanes whose bit is set in a list that has count numbers: behind them, the rest
+ * of a vector follows. Where lanes cannot be permuted by variables (KEEPS_APART) all stay in the
+ * list's places from t on.
+ * vi_keep_places: the same of the places t, t + 1, ...; returns how many numbers there are then. */
+#if WIDE == 4
+#define KEEPS_APART 1
+#else
+#define KEEPS_APART 0
+#endif
+
+#if WIDE < 16
+/* Of four bits, those that are set. */
+static const int32_t set_bits[16][4] = {
+    {0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
+    {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+#endif
+
 #if WIDE == 16
-static inline void vi_keep(int32_t *to, vi v, uint32_t bits) {
-    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32((__mmask16)bits, (__m512i)v));
+static inline void vi_keep(int32_t *list, int t, int count, vi v, uint32_t bits) {
+    (void)t;
+    _mm512_storeu_si512(list + count, _mm512_maskz_compress_epi32((__mmask16)bits, (__m512i)v));
 }
 #elif WIDE == 8
-static inline void keep_four(int32_t *to, __m128i v, uint32_t bits) {
-    static const int32_t order[16][4] = {
-        {0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
-        {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
-    const __m128i from = _mm_loadu_si128((const __m128i *)(const void *)order[bits]);
-    _mm_storeu_si128((__m128i *)(void *)to,
-                     _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(v), from)));
-}
-static inline void vi_keep(int32_t *to, vi v, uint32_t bits) {
-    keep_four(to, _mm256_castsi256_si128((__m256i)v), bits & 15);
-    keep_four(to + __builtin_popcount(bits & 15), _mm256_extracti128_si256((__m256i)v, 1),
-              bits >> 4);
+static inline void vi_keep(int32_t *list, int t, int count, vi v, uint32_t bits) {
+    (void)t;
+    const __m128i low = _mm_loadu_si128((const __m128i *)(const void *)set_bits[bits & 15]);
+    const __m128i high = _mm_loadu_si128((const __m128i *)(const void *)set_bits[bits >> 4]);
+    const __m256i kept = (__m256i)_mm256_permutevar_ps((__m256)v, _mm256_set_m128i(high, low));
+    int32_t *const to = list + count;
+    _mm_storeu_si128((__m128i *)(void *)to, _mm256_castsi256_si128(kept));
+    _mm_storeu_si128((__m128i *)(void *)(to + __builtin_popcount(bits & 15)),
+                     _mm256_extracti128_si256(kept, 1));
 }
 #else
-static inline void vi_keep(int32_t *to, vi v, uint32_t bits) {
-    for (int i = 0; i < WIDE; i++) {
-        *to = v[i];
-        to += bits >> i & 1;
-    }
+static inline void vi_keep(int32_t *list, int t, int count, vi v, uint32_t bits) {
+    (void)count;
+    (void)bits;
+    vi_store(list + t, v);
 }
 #endif
+
+static inline int vi_keep_places(int32_t *list, int t, int count, uint32_t bits) {
+#if WIDE == 4
+    vi_store(list + count, vi_load(set_bits[bits]) + t);
+    return count + (int)(0x4332322132212110u >> 4 * bits & 15);
+#else
+    vi_keep(list, t, count, vi_numbers() + t, bits);
+    return count + __builtin_popcount(bits);
+#endif
+}
 
 #endif

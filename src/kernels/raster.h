@@ -70,9 +70,15 @@ typedef struct shb_seen_cluster {
     const uint8_t *corners;        /* numbers of vertices, see shb_corner_place */
     uint32_t vertex_count, places; /* places: from the first x to the first y */
     bool may_be_coded;             /* some vertex may not be usable */
+    bool is_small;                 /* all vertices are usable and near the origin */
+    int32_t origin_x, origin_y;    /* a sample */
     shb_samples samples;           /* its usable triangles lie in them */
     float nearest;                 /* none of their samples is nearer */
 } shb_seen_cluster;
+
+/* Snapped coordinates in small clusters, less 256 * origin, are within +- this: pairs of 16 bits
+ * hold their sums with 127 and -129, too. */
+#define SHB_PAIR_REACH (INT16_MAX - 128)
 
 /* Up to SHB_CHUNK triangles of one instance: those listed, or those that follow the first one. */
 typedef struct shb_chunk {
