@@ -25,63 +25,108 @@ typedef struct pcss_blocked {
     vf all; /* weight of all taps */
 } pcss_blocked;
 
-/* Taps of WIDE fragments: texels counted from the own ones, as floats and, with ROUNDING added, as
- * ints in the low bits of floats. */
-typedef struct pcss_taps {
-    vf m, n;
-    vi m_bits, n_bits;
-} pcss_taps;
+/* Where point number k of the disk lies: texels counted from the own ones, and, before ROUNDING is
+ * taken off, in the low bits of floats. */
+typedef struct pcss_disk {
+    const shb_pcss *pcss;
+    vf xx, xy, yx, yy, to_center_x, to_center_y;
+} pcss_disk;
 
-/* What the map stores at taps that all lie inside. Sums of ints wrap, so that the bits of ROUNDING
- * leave the number of the texel by one subtraction for all taps, which own_texel holds. */
-static inline ALWAYS_INLINE vf read_inside(const shb_map *map, vi own_texel,
-                                           const pcss_taps *taps) {
-    const int32_t stride = (int32_t)(map->depth.stride / 4);
-    return vf_gather(
-        map->depth.texels,
-        (vi)(((vu)taps->n_bits * (vu)vi_splat(stride) + (vu)own_texel) + (vu)taps->m_bits));
+static inline ALWAYS_INLINE pcss_disk disk_of(const shb_pcss *pcss, const pcss_lanes *own,
+                                              vf radius_x, vf radius_y) {
+    return (pcss_disk){pcss,
+                       radius_x * own->cosine,
+                       radius_x * own->sine,
+                       radius_y * own->sine,
+                       radius_y * own->cosine,
+                       own->to_center_x,
+                       own->to_center_y};
 }
 
-/* The same for any format and any taps; inside tells which lie inside. */
-static inline ALWAYS_INLINE vf read_anywhere(const shb_map *map, const pcss_lanes *own,
-                                             const pcss_taps *taps, vi *inside) {
-    const vi rounding = (vi)vf_splat(ROUNDING);
-    const vi x = own->texel_x + (vi)((vu)taps->m_bits - (vu)rounding);
-    const vi y = own->texel_y + (vi)((vu)taps->n_bits - (vu)rounding);
-    return read_lanes(map, false, x, y, inside);
+static inline ALWAYS_INLINE vf column_bits(const pcss_disk *disk, int k) {
+    const float px = disk->pcss->points[k][0], py = disk->pcss->points[k][1];
+    return ((disk->xx * px - disk->xy * py) - disk->to_center_x) + ROUNDING;
 }
 
-/* The first count points of the disk; inside: all lie inside a map whose texels can be gathered.
- * sums: depths are asked for. */
+static inline ALWAYS_INLINE vf row_bits(const pcss_disk *disk, int k) {
+    const float px = disk->pcss->points[k][0], py = disk->pcss->points[k][1];
+    return ((disk->yx * px + disk->yy * py) - disk->to_center_y) + ROUNDING;
+}
+
+static inline ALWAYS_INLINE vf plane_at(const pcss_lanes *own, vf m, vf n, vf far_depth) {
+    return vf_min((own->ref + m * own->step_x) + n * own->step_y, far_depth);
+}
+
+/* The first count points of the disk, wherever they lie and whatever the format. sums: depths are
+ * asked for. */
 static inline ALWAYS_INLINE pcss_blocked ask_disk(const shb_pcss *pcss, const shb_map *map,
                                                   const pcss_lanes *own, vf radius_x, vf radius_y,
-                                                  int count, bool sums, bool inside) {
-    const vf xx = radius_x * own->cosine, xy = radius_x * own->sine;
-    const vf yx = radius_y * own->sine, yy = radius_y * own->cosine;
+                                                  int count, bool sums) {
+    const pcss_disk disk = disk_of(pcss, own, radius_x, radius_y);
     const float sign = map->info.view.reversed ? -1.0f : 1.0f;
-    const vf far_depth = vf_splat(pcss->far_depth), rounding = vf_splat(ROUNDING);
-    const vu stride = (vu)vi_splat((int32_t)(map->depth.stride / 4));
-    const vu own_texel = ((vu)own->texel_y - (vu)rounding) * stride + (vu)own->texel_x;
-    const vi origin = (vi)(own_texel - (vu)rounding);
+    const vf far_depth = vf_splat(pcss->far_depth);
+    const vu rounding = (vu)vf_splat(ROUNDING);
+    const bool gathers = can_gather(map);
     vf depth = {0};
     vi hits = {0};
     for (int k = 0; k < count; k++) {
-        const float px = pcss->points[k][0], py = pcss->points[k][1];
-        const vf x = ((xx * px - xy * py) - own->to_center_x) + rounding;
-        const vf y = ((yx * px + yy * py) - own->to_center_y) + rounding;
-        const pcss_taps taps = {x - rounding, y - rounding, (vi)x, (vi)y};
-        const vf tap = (own->ref + taps.m * own->step_x) + taps.n * own->step_y;
+        const vf x = column_bits(&disk, k), y = row_bits(&disk, k);
+        const vf m = x - ROUNDING, n = y - ROUNDING;
         vi in_map;
-        const vf stored = sign * (inside ? read_inside(map, origin, &taps)
-                                         : read_anywhere(map, own, &taps, &in_map));
-        vi blocked = stored < vf_min(tap, far_depth);
-        if (!inside)
-            blocked &= in_map;
+        const vf stored =
+            sign * read_lanes(map, gathers, (vi)((vu)own->texel_x + ((vu)x - rounding)),
+                              (vi)((vu)own->texel_y + ((vu)y - rounding)), &in_map);
+        vi blocked = in_map & (stored < plane_at(own, m, n, far_depth));
         if (own->mutual && vi_any(blocked))
-            blocked = shadowed_taps(own->mutual, own->first, blocked, taps.m, taps.n, stored);
+            blocked = shadowed_taps(own->mutual, own->first, blocked, m, n, stored);
         hits -= blocked;
         if (sums)
             depth += vf_keep(blocked, stored);
+    }
+    return (pcss_blocked){__builtin_convertvector(hits, vf), depth, vf_splat((float)count)};
+}
+
+/* So many taps are placed before their texels are read: in one loop there would be too few
+ * registers for both. */
+#define PLACED 32
+
+/* Indices of texels and the receiver plane at taps from first on. Sums of ints wrap, so that the
+ * bits of ROUNDING leave an index by one subtraction for all taps. */
+static inline ALWAYS_INLINE void place_taps(const pcss_disk *disk, const pcss_lanes *own,
+                                            uint32_t stride, int first, int count,
+                                            uint32_t (*indices)[WIDE], vf *planes) {
+    const vf far_depth = vf_splat(disk->pcss->far_depth);
+    const vu rounding = (vu)vf_splat(ROUNDING);
+    const vu origin = (((vu)own->texel_y - rounding) * stride + (vu)own->texel_x) - rounding;
+    for (int k = 0; k < count; k++) {
+        const vf x = column_bits(disk, first + k), y = row_bits(disk, first + k);
+        const vu index = ((vu)y * stride + origin) + (vu)x;
+        memcpy(indices[k], &index, sizeof index);
+        planes[k] = plane_at(own, x - ROUNDING, y - ROUNDING, far_depth);
+    }
+}
+
+/* The same for taps that all lie inside a map whose texels can be gathered; not by the exact
+ * method. */
+static inline ALWAYS_INLINE pcss_blocked ask_disk_inside(const shb_pcss *pcss, const shb_map *map,
+                                                         const pcss_lanes *own, vf radius_x,
+                                                         vf radius_y, int count, bool sums) {
+    const pcss_disk disk = disk_of(pcss, own, radius_x, radius_y);
+    const float sign = map->info.view.reversed ? -1.0f : 1.0f;
+    uint32_t indices[PLACED][WIDE];
+    vf planes[PLACED];
+    vf depth = {0};
+    vi hits = {0};
+    for (int first = 0; first < count; first += PLACED) {
+        const int some = count - first < PLACED ? count - first : PLACED;
+        place_taps(&disk, own, (uint32_t)(map->depth.stride / 4), first, some, indices, planes);
+        for (int k = 0; k < some; k++) {
+            const vf stored = sign * vf_read(map->depth.texels, indices[k]);
+            const vi blocked = stored < planes[k];
+            hits -= blocked;
+            if (sums)
+                depth += vf_keep(blocked, stored);
+        }
     }
     return (pcss_blocked){__builtin_convertvector(hits, vf), depth, vf_splat((float)count)};
 }
@@ -104,9 +149,9 @@ static bool all_inside(const shb_map *map, const pcss_lanes *own, vf radius_x, v
 static inline ALWAYS_INLINE pcss_blocked ask_disk_of(const shb_pcss *pcss, const shb_map *map,
                                                      const pcss_lanes *own, vf radius_x,
                                                      vf radius_y, int count, bool sums) {
-    if (can_gather(map) && all_inside(map, own, radius_x, radius_y))
-        return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, true);
-    return ask_disk(pcss, map, own, radius_x, radius_y, count, sums, false);
+    if (!own->mutual && can_gather(map) && all_inside(map, own, radius_x, radius_y))
+        return ask_disk_inside(pcss, map, own, radius_x, radius_y, count, sums);
+    return ask_disk(pcss, map, own, radius_x, radius_y, count, sums);
 }
 
 /* SQUARE texels of a row, as they are stored, from a column on that may lie outside the map. */
