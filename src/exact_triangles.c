@@ -19,38 +19,41 @@
 #include "occluders.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Where a triangle that covers the fragment's place lies, as far as rounding can tell; HIT_NONE:
  * it has no plane that could tell. */
 typedef enum hit { HIT_NONE, HIT_BEHIND, HIT_OWN, HIT_IN_FRONT } hit;
 
+/* A point of a group. */
 typedef struct asking {
     const shb_map *map;
     const shb_receivers *receivers;
-    size_t number; /* of the fragment */
-    uint32_t own_id;
-    double x, y, z;
-    int32_t column, row;
-    double by_position[3]; /* the bounds of light_point.h: of the point's own rounding, */
-    double error_x, error_y, error_z; /* and of calculation */
-    uint32_t samples[4];              /* triangles; that of the fragment's own texel first */
-    hit nearest;                      /* what is known of the first one where it covers the place */
+    const shb_walk_group *group;
+    size_t i;
 } asking;
+
+static void place_of(const asking *a, double at[2]) {
+    at[0] = a->group->at.x[a->i];
+    at[1] = a->group->at.y[a->i];
+}
 
 /* The vectors C - slope_x A - slope_y B of (1) have Tz - slope_x Tx - slope_y Ty - (Z - slope_x X -
  * slope_y Y) Tw. */
 static hit compare_depth(const asking *a, uint32_t triangle) {
+    const shb_walk_group *g = a->group;
+    const size_t i = a->i;
     const shb_occluder_plane *plane = &a->map->occluders.planes[triangle];
     const shb_light_rows *rows = &a->map->rows;
-    const double slope_x = plane->slope_x, slope_y = plane->slope_y;
-    const double behind = a->z - shb_occluder_depth(plane, a->x, a->y);
-    const double at_origin = (a->z - slope_x * a->x) - slope_y * a->y;
-    double error =
-        plane->error + (a->error_z + fabs(slope_x) * a->error_x + fabs(slope_y) * a->error_y);
-    for (int i = 0; i < 3; i++)
-        error += fabs((rows->z[i] - at_origin * rows->w[i]) -
-                      (slope_x * rows->x[i] + slope_y * rows->y[i])) *
-                 a->by_position[i];
+    const double slope_x = plane->slope_x, slope_y = plane->slope_y, z = g->at.depth[i];
+    const double behind = z - shb_occluder_depth(plane, g->at.x[i], g->at.y[i]);
+    const double at_origin = (z - slope_x * g->at.x[i]) - slope_y * g->at.y[i];
+    double error = plane->error +
+                   (g->error_z[i] + fabs(slope_x) * g->error_x[i] + fabs(slope_y) * g->error_y[i]);
+    for (int k = 0; k < 3; k++)
+        error += fabs((rows->z[k] - at_origin * rows->w[k]) -
+                      (slope_x * rows->x[k] + slope_y * rows->y[k])) *
+                 g->by_position[k][i];
     return !(error < HUGE_VAL) ? HIT_NONE
            : behind > error    ? HIT_IN_FRONT
            : behind >= -error  ? HIT_OWN
@@ -58,7 +61,7 @@ static hit compare_depth(const asking *a, uint32_t triangle) {
 }
 
 static hit hit_of(const asking *a, uint32_t triangle) {
-    return triangle == a->own_id ? HIT_OWN : compare_depth(a, triangle);
+    return triangle == a->group->own_ids[a->i] ? HIT_OWN : compare_depth(a, triangle);
 }
 
 /* Of the next triangle whose plane is known; HIT_NONE: the walk has ended. */
@@ -81,10 +84,9 @@ typedef struct sheet_way {
 } sheet_way;
 
 static void place_sample(const asking *a, int k, double at[2]) {
-    const int32_t beside = a->x - a->column < 0.5 ? -1 : 1;
-    const int32_t above = a->y - a->row < 0.5 ? -1 : 1;
-    at[0] = a->column + (k & 1 ? beside : 0) + 0.5;
-    at[1] = a->row + (k & 2 ? above : 0) + 0.5;
+    const shb_walk_group *g = a->group;
+    at[0] = g->at.column[a->i] + (k & 1 ? g->beside[a->i] : 0) + 0.5;
+    at[1] = g->at.row[a->i] + (k & 2 ? g->above[a->i] : 0) + 0.5;
 }
 
 /* A triangle that is the fragment's surface, and those that its sheet goes on with. */
@@ -106,11 +108,13 @@ static bool is_among(const surroundings *near, uint32_t triangle) {
     return (triangle == t[0]) | (triangle == t[1]) | (triangle == t[2]) | (triangle == t[3]);
 }
 
-/* A way that comes beside where an earlier one has met the fragment's surface leads there, too. */
-static void go(const asking *a, const surroundings *near, sheet_way *way) {
+/* A way that comes beside where an earlier one has met the fragment's surface leads there, too.
+ * steps: triangles that it has left behind. */
+static void go(const asking *a, const surroundings *near, int steps, sheet_way *way) {
     const shb_light_mesh *mesh = &a->map->occluders.mesh;
-    const double to[2] = {a->x, a->y};
-    for (int steps = 0; steps < WAY_MAX; steps++) {
+    double to[2];
+    place_of(a, to);
+    for (; steps < WAY_MAX; steps++) {
         if (is_among(near, way->triangle)) {
             way->hit = HIT_OWN;
             return;
@@ -128,13 +132,13 @@ static void go(const asking *a, const surroundings *near, sheet_way *way) {
 static bool is_shadowed_by_planes(const asking *a) {
     const shb_map *map = a->map;
     const shb_receivers *r = a->receivers;
-    const size_t i = a->number;
-    const uint32_t id = shb_occluder_row(map, a->row)[a->column];
-    const shb_occluder_plane *plane = &map->occluders.planes[id];
+    const size_t i = a->group->numbers[a->i];
+    const int32_t column = a->group->at.column[a->i], row = a->group->at.row[a->i];
+    const shb_occluder_plane *plane = &map->occluders.planes[a->group->samples[0][a->i]];
     const double position[3] = {(double)r->x[i], (double)r->y[i], (double)r->z[i]};
     const double normal[3] = {(double)r->normal_x[i], (double)r->normal_y[i],
                               (double)r->normal_z[i]};
-    const double x = a->column + 0.5, y = a->row + 0.5;
+    const double x = column + 0.5, y = row + 0.5;
     const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
     const shb_exact_sample sample = {.center_x = x,
                                      .center_y = y,
@@ -145,29 +149,39 @@ static bool is_shadowed_by_planes(const asking *a) {
 }
 
 static bool sees_all(const asking *a) {
-    const uint32_t *s = a->samples;
-    return !((s[0] == SHB_ID_NONE) | (s[1] == SHB_ID_NONE) | (s[2] == SHB_ID_NONE) |
-             (s[3] == SHB_ID_NONE));
+    bool sees = true;
+    for (int k = 0; k < 4; k++)
+        sees &= a->group->samples[k][a->i] != SHB_ID_NONE;
+    return sees;
 }
 
 /* One bit for each sample that holds a triangle which none before it does. */
 static uint32_t first_samples(const asking *a) {
-    const uint32_t *s = a->samples;
+    uint32_t s[4], held = 0;
+    for (int k = 0; k < 4; k++) {
+        s[k] = a->group->samples[k][a->i];
+        held |= (uint32_t)(s[k] != SHB_ID_NONE) << k;
+    }
     const uint32_t again = (uint32_t)(s[1] == s[0]) << 1 |
                            (uint32_t)((s[2] == s[0]) | (s[2] == s[1])) << 2 |
                            (uint32_t)((s[3] == s[0]) | (s[3] == s[1]) | (s[3] == s[2])) << 3;
-    uint32_t held = 0;
-    for (int k = 0; k < 4; k++)
-        held |= (uint32_t)(s[k] != SHB_ID_NONE) << k;
     return held & ~again;
+}
+
+/* What is known of where the first way has come; it covers the place then. */
+static hit first_hit(const asking *a) {
+    return a->group->own >> a->i & 1      ? HIT_OWN
+           : a->group->behind >> a->i & 1 ? HIT_BEHIND
+                                          : HIT_NONE;
 }
 
 /* Walks go on where ways have ended. All of them are begun before the first goes on: what one
  * waits for the others can use. */
 static bool walks_meet_shadow(const asking *a, int count, const sheet_way *ways) {
-    const double to[2] = {a->x, a->y};
     bool are_cut = sees_all(a);
     shb_walk walks[4];
+    double to[2];
+    place_of(a, to);
     for (int i = 0; i < count; i++)
         shb_walk_begin(&a->map->occluders.mesh, ways[i].triangle, ways[i].from, to, &walks[i]);
     for (int i = 0; i < count; i++) {
@@ -192,11 +206,11 @@ static bool is_shadowed(const asking *a) {
         const int k = __builtin_ctz(left);
         sheet_way *way = &ways[count++];
         place_sample(a, k, way->from);
-        way->triangle = a->samples[k];
-        way->hit = k == 0 ? a->nearest : HIT_NONE;
+        way->triangle = a->group->ends[k][a->i];
+        way->hit = k == 0 ? first_hit(a) : HIT_NONE;
         way->covers = way->hit != HIT_NONE;
         if (!way->covers)
-            go(a, &near, way);
+            go(a, &near, way->triangle != a->group->samples[k][a->i], way);
         if (way->hit == HIT_IN_FRONT)
             return true;
         if (way->hit == HIT_OWN && way->covers)
@@ -206,58 +220,91 @@ static bool is_shadowed(const asking *a) {
     return !is_plain && walks_meet_shadow(a, count, ways);
 }
 
-static void ask_about(const shb_walk_group *g, size_t i, asking *a) {
-    a->own_id = g->own_ids[i];
-    a->x = g->at.x[i];
-    a->y = g->at.y[i];
-    a->z = g->at.depth[i];
-    a->column = g->at.column[i];
-    a->row = g->at.row[i];
-    a->error_x = g->error_x[i];
-    a->error_y = g->error_y[i];
-    a->error_z = g->error_z[i];
+/* Point i of a group joins another. */
+static void keep_open(const shb_walk_group *from, size_t i, shb_walk_group *to) {
+    const size_t n = to->count++;
+    to->at.x[n] = from->at.x[i];
+    to->at.y[n] = from->at.y[i];
+    to->at.depth[n] = from->at.depth[i];
+    to->at.column[n] = from->at.column[i];
+    to->at.row[n] = from->at.row[i];
+    to->beside[n] = from->beside[i];
+    to->above[n] = from->above[i];
+    to->error_x[n] = from->error_x[i];
+    to->error_y[n] = from->error_y[i];
+    to->error_z[n] = from->error_z[i];
     for (int k = 0; k < 3; k++)
-        a->by_position[k] = g->by_position[i] * fabs(g->at.world[k][i]);
-    a->nearest = g->own >> i & 1 ? HIT_OWN : g->behind >> i & 1 ? HIT_BEHIND : HIT_NONE;
-    for (size_t k = 0; k < 4; k++)
-        a->samples[k] = g->samples[g->nearest[i] ^ k][i];
+        to->by_position[k][n] = from->by_position[k][i];
+    for (int k = 0; k < 4; k++)
+        to->samples[k][n] = from->samples[k][i];
+    to->own_ids[n] = from->own_ids[i];
+    to->numbers[n] = from->numbers[i];
 }
 
-/* The answers for fragments of a group that its nearest samples tell; returns the others, one bit
- * each. */
-static uint64_t settle(const shb_walk_group *g, float *visibility) {
+/* One bit for each point of a group. */
+static uint64_t all_of(const shb_walk_group *g) {
+    return UINT64_MAX >> (SHB_LIST_GROUP - g->count);
+}
+
+static void darken(const shb_walk_group *g, uint64_t shadowed, float *visibility) {
+    for (; shadowed; shadowed &= shadowed - 1)
+        visibility[g->numbers[__builtin_ctzll(shadowed)]] = 0;
+}
+
+/* Answers what the first step has left open. */
+static void ask_open(const shb_map *map, const shb_receivers *receivers, shb_walk_group *open,
+                     float *visibility) {
+    if (open->count == 0)
+        return;
+    map->context->shade_kernels->beside(map, open);
+    uint64_t shadowed = open->in_front & all_of(open);
+    for (uint64_t left = all_of(open) & ~open->in_front & ~open->joined; left; left &= left - 1) {
+        const asking a = {map, receivers, open, (size_t)__builtin_ctzll(left)};
+        shadowed |= (uint64_t)is_shadowed(&a) << a.i;
+    }
+    darken(open, shadowed, visibility);
+    open->count = 0;
+}
+
+static void locate_group(const shb_map *map, const shb_exact_points *points, size_t first,
+                         shb_walk_group *group) {
+    const size_t left = points->count - first;
+    group->count = left < SHB_LIST_GROUP ? left : SHB_LIST_GROUP;
+    group->at.world[0] = points->x + first;
+    group->at.world[1] = points->y + first;
+    group->at.world[2] = points->z + first;
+    memcpy(group->own_ids, points->own_ids + first, sizeof group->own_ids);
+    for (size_t i = 0; i < SHB_LIST_GROUP; i++)
+        group->numbers[i] = (uint16_t)(first + i);
+    shb_list_kernels_of(map->context->isa)->locate(&map->occluders.mesh.frame, &group->at);
+}
+
+/* One bit for each point in the view. */
+static uint64_t inside_of(const shb_walk_group *g) {
+    uint64_t inside = 0;
     for (size_t i = 0; i < g->count; i++)
-        visibility[i] = 1;
-    for (uint64_t dark = g->in_front; dark; dark &= dark - 1)
-        visibility[__builtin_ctzll(dark)] = 0;
-    return g->inside & ~g->in_front & ~(g->own & g->joined);
+        inside |= (uint64_t)(g->at.column[i] >= 0) << i;
+    return inside;
 }
 
 void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
                              const shb_receivers *receivers, float *visibility) {
-    const shb_list_kernels *kernels = shb_list_kernels_of(map->context->isa);
     const double rounding = points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING;
-    shb_walk_group group;
-    asking a = {.map = map, .receivers = receivers};
-    if (map->occluders.plane_count == 0) { /* the kernels read a triangle in any case */
-        for (size_t i = 0; i < points->count; i++)
-            visibility[i] = 1;
+    shb_walk_group group, open = {0};
+    for (size_t i = 0; i < points->count; i++)
+        visibility[i] = 1;
+    if (map->occluders.plane_count == 0) /* the kernels read a triangle in any case */
         return;
-    }
     for (size_t i = 0; i < points->count; i += SHB_LIST_GROUP) {
-        const size_t left = points->count - i;
-        group.count = left < SHB_LIST_GROUP ? left : SHB_LIST_GROUP;
-        group.own_ids = points->own_ids + i;
-        group.at.world[0] = points->x + i;
-        group.at.world[1] = points->y + i;
-        group.at.world[2] = points->z + i;
-        kernels->locate(&map->occluders.mesh.frame, &group.at);
+        locate_group(map, points, i, &group);
         map->context->shade_kernels->nearest(map, rounding, &group);
-        for (uint64_t open = settle(&group, visibility + i); open; open &= open - 1) {
-            const size_t k = (size_t)__builtin_ctzll(open);
-            a.number = i + k;
-            ask_about(&group, k, &a);
-            visibility[i + k] = is_shadowed(&a) ? 0.0f : 1.0f;
+        const uint64_t inside = inside_of(&group);
+        darken(&group, group.in_front & inside, visibility);
+        for (uint64_t left = inside & ~group.in_front & ~group.joined; left; left &= left - 1) {
+            if (open.count == SHB_LIST_GROUP)
+                ask_open(map, receivers, &open, visibility);
+            keep_open(&group, (size_t)__builtin_ctzll(left), &open);
         }
     }
+    ask_open(map, receivers, &open, visibility);
 }

@@ -49,6 +49,16 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return (uint32_t)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
 }
+static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
+    const wd a = _mm256_loadu_pd(from[0]), b = _mm256_loadu_pd(from[1]);
+    const wd c = _mm256_loadu_pd(from[2]), d = _mm256_loadu_pd(from[3]);
+    const wd ab_even = _mm256_unpacklo_pd(a, b), ab_odd = _mm256_unpackhi_pd(a, b);
+    const wd cd_even = _mm256_unpacklo_pd(c, d), cd_odd = _mm256_unpackhi_pd(c, d);
+    out[0] = _mm256_permute2f128_pd(ab_even, cd_even, 0x20);
+    out[1] = _mm256_permute2f128_pd(ab_odd, cd_odd, 0x20);
+    out[2] = _mm256_permute2f128_pd(ab_even, cd_even, 0x31);
+    out[3] = _mm256_permute2f128_pd(ab_odd, cd_odd, 0x31);
+}
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     const wd ab_even = _mm256_unpacklo_pd(a, b), ab_odd = _mm256_unpackhi_pd(a, b);
     const wd cd_even = _mm256_unpacklo_pd(c, d), cd_odd = _mm256_unpackhi_pd(c, d);

@@ -49,6 +49,22 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
 }
+static inline wd two_quads(const double *low, const double *high) {
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high),
+                              1);
+}
+static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
+    const wd a = two_quads(from[0], from[4]), b = two_quads(from[1], from[5]);
+    const wd c = two_quads(from[2], from[6]), d = two_quads(from[3], from[7]);
+    const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+    const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+    const wd ab_even = _mm512_unpacklo_pd(a, b), ab_odd = _mm512_unpackhi_pd(a, b);
+    const wd cd_even = _mm512_unpacklo_pd(c, d), cd_odd = _mm512_unpackhi_pd(c, d);
+    out[0] = _mm512_permutex2var_pd(ab_even, low, cd_even);
+    out[1] = _mm512_permutex2var_pd(ab_odd, low, cd_odd);
+    out[2] = _mm512_permutex2var_pd(ab_even, high, cd_even);
+    out[3] = _mm512_permutex2var_pd(ab_odd, high, cd_odd);
+}
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     const wd ab[2] = {_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b)};
     const wd cd[2] = {_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d)};

@@ -50,6 +50,13 @@ static inline uint32_t wd_greater_bits(wd a, wd b) {
     const uint64x2_t greater = vcgtq_f64(a, b);
     return (uint32_t)((vgetq_lane_u64(greater, 0) & 1) | (vgetq_lane_u64(greater, 1) & 2));
 }
+static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
+    for (int k = 0; k < 4; k += 2) {
+        const wd a = vld1q_f64(from[0] + k), b = vld1q_f64(from[1] + k);
+        out[k] = vzip1q_f64(a, b);
+        out[k + 1] = vzip2q_f64(a, b);
+    }
+}
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     vst1q_f64(to, vzip1q_f64(a, b));
     vst1q_f64(to + 2, vzip1q_f64(c, d));

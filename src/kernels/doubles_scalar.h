@@ -53,6 +53,11 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return a > b;
 }
+/* Four doubles from each place on, the first ones into out[0] and so on. */
+static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
+    for (int k = 0; k < 4; k++)
+        out[k] = from[0][k];
+}
 /* a, b, c, d of lane i go to to + i * step. */
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     (void)step;

@@ -52,6 +52,13 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return (uint32_t)_mm_movemask_pd(_mm_cmpgt_pd(a, b));
 }
+static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
+    for (int k = 0; k < 4; k += 2) {
+        const wd a = _mm_loadu_pd(from[0] + k), b = _mm_loadu_pd(from[1] + k);
+        out[k] = _mm_unpacklo_pd(a, b);
+        out[k + 1] = _mm_unpackhi_pd(a, b);
+    }
+}
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     _mm_storeu_pd(to, _mm_unpacklo_pd(a, b));
     _mm_storeu_pd(to + 2, _mm_unpacklo_pd(c, d));

@@ -60,6 +60,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .hard = hard,
     .planes = ask_planes,
     .nearest = ask_nearest,
+    .beside = ask_beside,
     .quick = WIDE > 1 ? test_quickly : NULL,
     .find_planes = find_planes,
     .pcf = pcf,

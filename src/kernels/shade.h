@@ -50,6 +50,9 @@ typedef struct shb_shade_kernels {
      * their own texels tell. rounding: of positions, as in light_point.h. */
     void (*nearest)(const shb_map *map, double rounding, shb_walk_group *group);
 
+    /* Goes one triangle on from the samples of a group, and finds what is met there. */
+    void (*beside)(const shb_map *map, shb_walk_group *group);
+
     /* The hard test after projection and bias where float is sure of it: writes the visibility of
      * all fragments, and the numbers of those whose is not to be trusted; returns how many these
      * are, SIZE_MAX if it is not made for the map or sees nothing to be sure of. NULL: none. */
