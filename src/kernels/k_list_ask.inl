@@ -51,8 +51,11 @@ static size_t take_entries(const shb_list_entry *entries, size_t left, float dep
 /* Questions whose triangles are fetched before they are asked. */
 enum { LIST_ASK_AHEAD = 24 };
 
-static inline void fetch_asked(const shb_list_triangle *triangles,
-                               const shb_list_question *questions, size_t number, size_t count) {
+/* gcc takes a function that does nothing else for one without effect, unless it is inlined first.
+ */
+static inline __attribute__((always_inline)) void fetch_asked(const shb_list_triangle *triangles,
+                                                              const shb_list_question *questions,
+                                                              size_t number, size_t count) {
     if (number < count)
         __builtin_prefetch(&triangles[questions[number].triangle]);
 }
