@@ -16,14 +16,6 @@
 
 enum { GROUP = SHB_LIST_GROUP, RUN = SHB_LIST_RUN };
 
-/* Points of a group that follow each other in one cell. */
-typedef struct run {
-    const shb_list_entry *entry, *end; /* that are left to ask */
-    float depth;                       /* no open point's is greater but for rounding */
-    uint8_t first;
-    uint8_t open; /* points from the first on that are not in shadow so far, one bit each */
-} run;
-
 /* A group while it is asked. */
 typedef struct inquiry {
     const shb_lists *lists;
@@ -34,7 +26,7 @@ typedef struct inquiry {
     const shb_list_cell *cells[GROUP];    /* NULL: nothing is near */
     const shb_list_entry *entries[GROUP]; /* of the cells' tiles */
     size_t run_count;
-    run runs[GROUP];
+    shb_list_run runs[GROUP];
     shb_list_question questions[GROUP * SHB_LIST_STEP];
     double places[3][GROUP]; /* of points that are not where the host has them */
 } inquiry;
@@ -177,8 +169,8 @@ static void find_cells(inquiry *q) {
 
 static void start_run(inquiry *q, size_t point) {
     const shb_list_cell *cell = q->cells[point];
-    run *r = &q->runs[q->run_count++];
-    *r = (run){.entry = q->entries[point] + cell[0].start,
+    shb_list_run *r = &q->runs[q->run_count++];
+    *r = (shb_list_run){.entry = q->entries[point] + cell[0].start,
                .end = q->entries[point] + cell[1].start,
                .depth = -HUGE_VALF,
                .first = (uint8_t)(point < GROUP - RUN ? point : GROUP - RUN)};
@@ -206,24 +198,11 @@ static void ask_cells(inquiry *q, float *visibility) {
         if (cell != last || i - q->runs[q->run_count - 1].first >= RUN)
             start_run(q, i);
         last = cell;
-        run *r = &q->runs[q->run_count - 1];
+        shb_list_run *r = &q->runs[q->run_count - 1];
         const float depth = (float)q->g.depth[i];
         r->depth = depth > r->depth ? depth : r->depth;
         r->open = (uint8_t)(r->open | 1u << (i - r->first));
     }
-}
-
-/* Makes questions of the next entries of all runs; returns how many. */
-static size_t take_entries(inquiry *q, const shb_list_kernels *kernels) {
-    size_t count = 0;
-    for (size_t i = 0; i < q->run_count; i++) {
-        run *r = &q->runs[i];
-        const size_t left = (size_t)(r->end - r->entry);
-        const shb_list_question like = {.run = (uint8_t)i, .first = r->first, .asked = r->open};
-        count += kernels->take(r->entry, left, r->depth, &like, q->questions + count);
-        r->entry += left < SHB_LIST_STEP ? left : SHB_LIST_STEP;
-    }
-    return count;
 }
 
 /* The points of a run that a triangle blocks. */
@@ -258,7 +237,7 @@ static void settle(inquiry *q, const shb_list_question *answered, float *visibil
 static void keep_open_runs(inquiry *q) {
     size_t kept = 0;
     for (size_t i = 0; i < q->run_count; i++) {
-        const run *r = &q->runs[i];
+        const shb_list_run *r = &q->runs[i];
         q->runs[kept] = *r;
         kept += r->open && r->entry < r->end;
     }
@@ -271,7 +250,7 @@ static void ask_group(inquiry *q, float *visibility) {
     kernels->locate(&lists->frame, &q->g);
     find_cells(q);
     for (ask_cells(q, visibility); q->run_count; keep_open_runs(q)) {
-        const size_t asked = take_entries(q, kernels);
+        const size_t asked = kernels->take(q->runs, q->run_count, q->questions);
         const size_t answered = kernels->answer(&lists->frame, lists->triangles, &q->g, q->rounding,
                                                 q->questions, asked);
         for (size_t i = 0; i < answered; i++)

@@ -24,28 +24,41 @@ static void locate_points(const shb_list_frame *frame, shb_list_group *restrict 
     }
 }
 
-/* Questions like the given one of those entries of a step that do not begin behind a depth. */
-static size_t take_entries(const shb_list_entry *entries, size_t left, float depth,
-                           const shb_list_question *like, shb_list_question *questions) {
+/* Questions of those of a run's next entries that do not begin behind its depth. */
+static inline size_t take_step(const shb_list_run *run, size_t number, size_t left,
+                               shb_list_question *questions) {
 #if DOUBLES == 8
-    const __m512i step = _mm512_loadu_si512(entries);
+    const __m512i step = _mm512_loadu_si512(run->entry);
     const __m256 begins = _mm256_castsi256_ps(_mm512_cvtepi64_epi32(_mm512_srli_epi64(step, 32)));
-    const __mmask8 before = _mm256_cmp_ps_mask(begins, _mm256_set1_ps(depth), _CMP_LE_OQ);
-    const uint32_t taken = before & (left < SHB_LIST_STEP ? (1u << left) - 1 : 0xff);
-    uint64_t rest;
-    memcpy(&rest, like, sizeof rest);
-    const __m512i made = _mm512_mask_blend_epi32(0xaaaa, step, _mm512_set1_epi64((int64_t)rest));
+    const __mmask8 before = _mm256_cmp_ps_mask(begins, _mm256_set1_ps(run->depth), _CMP_LE_OQ);
+    const uint32_t taken = before & ((1u << left) - 1);
+    const uint32_t rest = (uint32_t)number | (uint32_t)run->first << 8 | (uint32_t)run->open << 16;
+    const __m512i made = _mm512_mask_blend_epi32(0xaaaa, step, _mm512_set1_epi32((int32_t)rest));
     _mm512_storeu_si512(questions, _mm512_maskz_compress_epi64((__mmask8)taken, made));
     return (size_t)__builtin_popcount(taken);
 #else
     size_t count = 0;
     for (size_t i = 0; i < SHB_LIST_STEP; i++) {
-        questions[count] = *like;
-        questions[count].triangle = entries[i].triangle;
-        count += (i < left) & (entries[i].begin <= depth);
+        questions[count] = (shb_list_question){.triangle = run->entry[i].triangle,
+                                               .run = (uint8_t)number,
+                                               .first = run->first,
+                                               .asked = run->open};
+        count += (i < left) & (run->entry[i].begin <= run->depth);
     }
     return count;
 #endif
+}
+
+static size_t take_entries(shb_list_run *runs, size_t count, shb_list_question *questions) {
+    size_t taken = 0;
+    for (size_t i = 0; i < count; i++) {
+        shb_list_run *run = &runs[i];
+        const size_t left = (size_t)(run->end - run->entry);
+        const size_t step = left < SHB_LIST_STEP ? left : SHB_LIST_STEP;
+        taken += take_step(run, i, step, questions + taken);
+        run->entry += step;
+    }
+    return taken;
 }
 
 /* Questions whose triangles are fetched before they are asked. */

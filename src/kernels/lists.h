@@ -126,10 +126,18 @@ typedef struct shb_list_group {
  * on, one bit each. */
 #define SHB_LIST_RUN 8
 
+/* Points of a group that follow each other in one cell. */
+typedef struct shb_list_run {
+    const shb_list_entry *entry, *end; /* that are left to ask */
+    float depth;                       /* no open point's is greater but for rounding */
+    uint8_t first;                     /* at most SHB_LIST_GROUP - SHB_LIST_RUN */
+    uint8_t open; /* points from the first on that are not in shadow so far, one bit each */
+} shb_list_run;
+
 typedef struct shb_list_question {
     uint32_t triangle;
-    uint8_t run;   /* the asker's own number */
-    uint8_t first; /* at most SHB_LIST_GROUP - SHB_LIST_RUN */
+    uint8_t run;   /* which asks */
+    uint8_t first; /* of its points */
     uint8_t asked; /* which points; then those that the triangle blocks */
     uint8_t doubt; /* then those that it may block: the ray has to decide */
 } shb_list_question;
@@ -153,11 +161,10 @@ typedef struct shb_list_kernels {
     /* Finds where the light sees the points. */
     void (*locate)(const shb_list_frame *frame, shb_list_group *group);
 
-    /* Asks the next SHB_LIST_STEP entries, or as many as are left if these are fewer, with so much
-     * room for questions: one like the given one for each that begins at a depth or before. Returns
-     * how many. */
-    size_t (*take)(const shb_list_entry *entries, size_t left, float depth,
-                   const shb_list_question *like, shb_list_question *questions);
+    /* Makes questions of the next SHB_LIST_STEP entries of each run, or as many as are left if
+     * these are fewer: one for each that begins at the run's depth or before. There is room for
+     * SHB_LIST_STEP of each. Returns how many. */
+    size_t (*take)(shb_list_run *runs, size_t count, shb_list_question *questions);
 
     /* Answers questions by the bounds of rounding; rounding as in shb_list_points, of points whose
      * scale is 1. Those that say something are moved to the front; returns how many they are. */
