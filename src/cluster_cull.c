@@ -27,6 +27,12 @@ typedef struct range {
     double lo, hi;
 } range;
 
+/* A box in clip space: all x, y, z and w that drawing may compute for its points, the sizes of what
+ * they are summed up from and their errors. */
+typedef struct clip_box {
+    double lo[4], hi[4], size[4], doubt[4];
+} clip_box;
+
 /* Of a cluster in window space. */
 typedef struct window_box {
     range x, y;
@@ -57,6 +63,14 @@ static void find_eye(shb_cluster_view *view) {
     }
 }
 
+static inline double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
+static inline double smaller(double a, double b) {
+    return a < b ? a : b;
+}
+
 static double squared3(const double v[3]) {
     return (v[0] * v[0] + v[1] * v[1]) + v[2] * v[2];
 }
@@ -68,8 +82,11 @@ static double length3(const double v[3]) {
 shb_cluster_view shb_cluster_view_of(const shb_draw_instance *instance, const shb_target *target) {
     shb_cluster_view view = {.target = target, .affine = instance->affine};
     for (int row = 0; row < 4; row++)
-        for (int column = 0; column < 4; column++)
-            view.rows[row][column] = instance->clip_from_mesh.m[4 * column + row];
+        for (int column = 0; column < 4; column++) {
+            const double number = instance->clip_from_mesh.m[4 * column + row];
+            view.rows[row][column] = view.columns[column][row] = number;
+            view.column_sizes[column][row] = fabs(number);
+        }
     const shb_clip_plane outer[5] = {target->volume.cut[0], target->volume.border[0],
                                      target->volume.border[1], target->volume.border[2],
                                      target->volume.border[3]};
@@ -114,28 +131,44 @@ static double half_in(const double row[4], const middle_box *box) {
            fabs(row[2]) * box->half[2];
 }
 
-static range range_in(const double row[4], const middle_box *box) {
-    const double middle = middle_in(row, box);
-    const double half = half_in(row, box) + CLIP_DOUBT * size_in(row, box);
-    return (range){middle - half, middle + half};
+static clip_box image_of(const shb_cluster_view *view, const middle_box *box) {
+    const double(*m)[4] = view->columns, (*sizes)[4] = view->column_sizes;
+    clip_box image;
+    for (int i = 0; i < 4; i++) {
+        const double middle =
+            ((m[0][i] * box->middle[0] + m[1][i] * box->middle[1]) + m[2][i] * box->middle[2]) +
+            m[3][i];
+        image.size[i] = ((sizes[0][i] * box->reach[0] + sizes[1][i] * box->reach[1]) +
+                         sizes[2][i] * box->reach[2]) +
+                        sizes[3][i];
+        image.doubt[i] = CLIP_DOUBT * image.size[i];
+        const double half = ((sizes[0][i] * box->half[0] + sizes[1][i] * box->half[1]) +
+                             sizes[2][i] * box->half[2]) +
+                            image.doubt[i];
+        image.lo[i] = middle - half;
+        image.hi[i] = middle + half;
+    }
+    return image;
 }
 
-static bool is_sure(range r) {
-    return r.lo >= -CLIP_SURE && r.hi <= CLIP_SURE;
+static bool is_sure(const clip_box *image) {
+    bool sure = true;
+    for (int i = 0; i < 4; i++)
+        sure &= image->lo[i] >= -CLIP_SURE && image->hi[i] <= CLIP_SURE;
+    return sure;
 }
 
 /* Where w is 1 the clip coordinates' ranges tell it: a sum with 1 has its exact sign. */
-static bool is_outside_affine(const shb_cluster_view *view, range x, range y, range z) {
-    return x.hi < -1 || x.lo > 1 || y.hi < -1 || y.lo > 1 ||
-           z.hi < -view->target->volume.cut[0].offset;
+static bool is_outside_affine(const shb_cluster_view *view, const clip_box *image) {
+    return image->hi[ROW_X] < -1 || image->lo[ROW_X] > 1 || image->hi[ROW_Y] < -1 ||
+           image->lo[ROW_Y] > 1 || image->hi[ROW_Z] < -view->target->volume.cut[0].offset;
 }
 
-static bool is_outside(const shb_cluster_view *view, const middle_box *box) {
+static bool is_outside(const shb_cluster_view *view, const middle_box *box, const clip_box *image) {
     /* Rows are rounded sums: their sizes are those of the rows added. */
-    const double size_w = size_in(view->rows[ROW_W], box);
     for (int plane = 0; plane < 5; plane++) {
         const double *row = view->planes[plane];
-        const double size = size_in(row, box) + size_w;
+        const double size = size_in(row, box) + image->size[ROW_W];
         if (middle_in(row, box) + half_in(row, box) < -2 * CLIP_DOUBT * size)
             return true;
     }
@@ -143,11 +176,13 @@ static bool is_outside(const shb_cluster_view *view, const middle_box *box) {
 }
 
 /* True if no vertex lies behind the near plane. */
-static bool is_before_eye(const shb_cluster_view *view, const middle_box *box, range z) {
+static bool is_before_eye(const shb_cluster_view *view, const middle_box *box,
+                          const clip_box *image) {
     if (view->affine)
-        return z.lo >= -view->target->volume.cut[0].offset;
-    const double size = size_in(view->rows[ROW_Z], box) + size_in(view->rows[ROW_W], box);
-    return range_in(view->planes[0], box).lo > 2 * CLIP_DOUBT * size;
+        return image->lo[ROW_Z] >= -view->target->volume.cut[0].offset;
+    const double *row = view->planes[0];
+    const double doubt = 2 * (image->doubt[ROW_Z] + image->doubt[ROW_W]);
+    return middle_in(row, box) - (half_in(row, box) + CLIP_DOUBT * size_in(row, box)) > doubt;
 }
 
 static range widen(range r, double by) {
@@ -155,7 +190,7 @@ static range widen(range r, double by) {
 }
 
 static double largest(range r) {
-    return fmax(fabs(r.lo), fabs(r.hi));
+    return larger(fabs(r.lo), fabs(r.hi));
 }
 
 /* x / w over the box's corners, for x in rows[row]. */
@@ -175,23 +210,20 @@ static range quotient_in(const shb_cluster_view *view, const middle_box *box, in
     return found;
 }
 
-/* The quotient of a coordinate by w and its error; clip: the coordinate's range. */
-static range project(const shb_cluster_view *view, const middle_box *box, int row, range clip,
-                     double least_w, double *doubt) {
-    if (view->affine) {
-        *doubt = CLIP_DOUBT * size_in(view->rows[row], box);
-        return clip;
-    }
+/* The quotient of a coordinate by w and its error. */
+static range project(const shb_cluster_view *view, const middle_box *box, const clip_box *image,
+                     int row, double *doubt) {
+    *doubt = image->doubt[row];
+    if (view->affine)
+        return (range){image->lo[row], image->hi[row]};
     const range quotient = quotient_in(view, box, row);
-    *doubt = CLIP_DOUBT *
-             (size_in(view->rows[row], box) + largest(quotient) * size_in(view->rows[ROW_W], box)) /
-             least_w;
+    *doubt = (image->doubt[row] + largest(quotient) * image->doubt[ROW_W]) / image->lo[ROW_W];
     return widen(quotient, *doubt);
 }
 
+/* Of a place in the guard band. */
 static int32_t floor_to_int(double pixels) {
-    const double inside = fmin(fmax(pixels, -SHB_GUARD_PIXELS), 2 * SHB_GUARD_PIXELS);
-    return (int32_t)(inside + 2 * SHB_GUARD_PIXELS) - (int32_t)(2 * SHB_GUARD_PIXELS);
+    return (int32_t)(pixels + 2 * SHB_GUARD_PIXELS) - (int32_t)(2 * SHB_GUARD_PIXELS);
 }
 
 /* The samples whose centres lie within the box, or next to it. */
@@ -220,35 +252,40 @@ static double largest_in_cone(const shb_cluster *cluster, const double v[3]) {
                          (double)cluster->axis[2] * v[2];
     if (!(cosine > 0 && along < 0))
         return HUGE_VAL;
-    const double across = sqrt(fmax(squared3(v) - along * along, 0));
-    return along * cosine + across * sqrt(1 - fmin(cosine * cosine, 1));
+    const double across = sqrt(larger(squared3(v) - along * along, 0));
+    return along * cosine + across * sqrt(1 - smaller(cosine * cosine, 1));
 }
 
 static double largest_in_box(const shb_cluster *cluster, const double v[3]) {
     double sum = 0;
     for (int i = 0; i < 3; i++)
-        sum += fmax((double)cluster->normal_lo[i] * v[i], (double)cluster->normal_hi[i] * v[i]);
+        sum += larger((double)cluster->normal_lo[i] * v[i], (double)cluster->normal_hi[i] * v[i]);
     return sum;
+}
+
+/* A bound of them, from x / w and y / w. */
+static double pixels_a_unit(const shb_cluster_view *view, range x, range y, double least_w) {
+    const double steep_x = view->target->half_width * (view->steep_x + largest(x) * view->steep_w);
+    const double steep_y = view->target->half_height * (view->steep_y + largest(y) * view->steep_w);
+    return sqrt(steep_x * steep_x + steep_y * steep_y) / least_w;
 }
 
 /* True if every triangle of the cluster faces the way that is dropped, (1). */
 static bool faces_away(const shb_cluster_view *view, const shb_cluster *cluster,
-                       const middle_box *box, double pixels_a_unit, double largest_w) {
-    if (view->facing == 0 || !(cluster->height > 0))
-        return false;
+                       const middle_box *box, double pixels, double largest_w) {
     const double *e = view->eye;
     double v[3], doubt = 0;
     for (int i = 0; i < 3; i++) {
         v[i] = view->facing * (e[i] - e[3] * box->middle[i]);
         doubt += view->eye_doubt[i] + view->eye_doubt[3] * box->reach[i];
     }
-    const double largest = fmin(largest_in_cone(cluster, v), largest_in_box(cluster, v));
+    const double most = smaller(largest_in_cone(cluster, v), largest_in_box(cluster, v));
     const double c =
-        -(largest + fabs(e[3]) * length3(box->half)) - (doubt + NORMAL_DOUBT * sqrt(squared3(v)));
+        -(most + fabs(e[3]) * length3(box->half)) - (doubt + NORMAL_DOUBT * sqrt(squared3(v)));
     const double h = (double)cluster->height, d = SNAP_DOUBT;
     const double area = view->target->half_width * view->target->half_height;
     const double cube = largest_w * largest_w * largest_w;
-    return h * area * c > (4.25 * d * pixels_a_unit + 8 * d * d / h) * cube;
+    return h * area * c > (4.25 * d * pixels + 8 * d * d / h) * cube;
 }
 
 static float nearest_sample(range depth) {
@@ -264,40 +301,36 @@ shb_cluster_fate shb_cluster_look(const shb_cluster_view *view, const shb_cluste
     if (!(cluster->lo[0] == cluster->lo[0]))
         return SHB_CLUSTER_DOUBTFUL;
     const middle_box box = middle_of(cluster);
-    const range x = range_in(view->rows[ROW_X], &box), y = range_in(view->rows[ROW_Y], &box);
-    const range z = range_in(view->rows[ROW_Z], &box);
-    const range w = view->affine ? (range){1, 1} : range_in(view->rows[ROW_W], &box);
-    if (!is_sure(x) || !is_sure(y) || !is_sure(z) || !is_sure(w))
+    const clip_box image = image_of(view, &box);
+    if (!is_sure(&image))
         return SHB_CLUSTER_DOUBTFUL;
-    if (view->affine ? is_outside_affine(view, x, y, z) : is_outside(view, &box))
+    if (view->affine ? is_outside_affine(view, &image) : is_outside(view, &box, &image))
         return SHB_CLUSTER_DROPPED;
-    if (!(w.lo >= 0x1p-500))
+    if (!(image.lo[ROW_W] >= 0x1p-500))
         return SHB_CLUSTER_DOUBTFUL;
-    double doubt_x, doubt_y;
+    double doubt_x, doubt_y, doubt_z;
     const double half_width = view->target->half_width, half_height = view->target->half_height;
-    const range u = project(view, &box, ROW_X, x, w.lo, &doubt_x);
-    const range v = project(view, &box, ROW_Y, y, w.lo, &doubt_y);
+    const range x = project(view, &box, &image, ROW_X, &doubt_x);
+    const range y = project(view, &box, &image, ROW_Y, &doubt_y);
+    const range z = project(view, &box, &image, ROW_Z, &doubt_z);
     const window_box window = {
-        .x = {u.lo * half_width + half_width, u.hi * half_width + half_width},
-        .y = {half_height - v.hi * half_height, half_height - v.lo * half_height}};
-    if (!(fmax(doubt_x * half_width, doubt_y * half_height) <= WINDOW_DOUBT))
+        .x = {x.lo * half_width + half_width, x.hi * half_width + half_width},
+        .y = {half_height - y.hi * half_height, half_height - y.lo * half_height}};
+    if (!(doubt_x * half_width <= WINDOW_DOUBT && doubt_y * half_height <= WINDOW_DOUBT))
         return SHB_CLUSTER_DOUBTFUL;
-    double doubt_z;
-    const range depth = project(view, &box, ROW_Z, z, w.lo, &doubt_z);
     const double guard = SHB_GUARD_PIXELS - 1;
-    if (!is_before_eye(view, &box, z) || !(largest(window.x) <= guard) ||
+    if (!is_before_eye(view, &box, &image) || !(largest(window.x) <= guard) ||
         !(largest(window.y) <= guard))
         return SHB_CLUSTER_DOUBTFUL;
     const shb_samples samples = samples_in(&window);
     find_origin(&samples, seen);
     seen->samples = shb_samples_intersect(samples, view->target->samples);
-    seen->nearest = nearest_sample(depth);
+    seen->nearest = nearest_sample(z);
     if (shb_samples_are_empty(seen->samples))
         return SHB_CLUSTER_DROPPED;
-    const double steep_x = half_width * (view->steep_x + largest(u) * view->steep_w);
-    const double steep_y = half_height * (view->steep_y + largest(v) * view->steep_w);
-    const double pixels_a_unit = sqrt(steep_x * steep_x + steep_y * steep_y) / w.lo;
-    if (faces_away(view, cluster, &box, pixels_a_unit, w.hi))
+    if (view->facing != 0 && cluster->height > 0 &&
+        faces_away(view, cluster, &box, pixels_a_unit(view, x, y, image.lo[ROW_W]),
+                   image.hi[ROW_W]))
         return SHB_CLUSTER_DROPPED;
     return SHB_CLUSTER_PLAIN;
 }

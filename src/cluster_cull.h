@@ -45,7 +45,8 @@
 /* An instance as its clusters are looked at. */
 typedef struct shb_cluster_view {
     const shb_target *target;
-    double rows[4][4];   /* of the matrix: x, y, canonical z, w */
+    double rows[4][4];                        /* of the matrix: x, y, canonical z, w */
+    double columns[4][4], column_sizes[4][4]; /* the same, and the sizes of all numbers */
     double planes[5][4]; /* a point with a negative product lies outside: near plane, borders */
     bool affine;         /* w is 1 */
     double steep_x, steep_y, steep_w; /* lengths of the rows' first three */
