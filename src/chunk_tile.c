@@ -46,6 +46,7 @@ typedef struct tile_job {
     const shb_chunks *chunks;
     grid grid;
     bool counts;
+    uint8_t *used; /* the target's, if tiles are drawn in the images and stay as they are */
     shb_chunk_bins bins;
     shb_cluster_bins clusters;
     shb_layers *lanes; /* NULL when tiles are drawn directly */
@@ -146,6 +147,13 @@ static void *texel_at(void *texels, size_t stride, const shb_samples *samples) {
                   : NULL;
 }
 
+static uint8_t *used_at(const tile_job *job, const shb_samples *samples) {
+    const size_t row = (size_t)samples->first_row / SHB_CELL;
+    return job->used ? job->used + row * shb_used_stride(job->desc->width) +
+                           (size_t)samples->first_column / SHB_CELL
+                     : NULL;
+}
+
 /* A tile's layers: parts of the images, or the lane's own. Where no image is to hold the depth, it
  * has the images' pitch all the same. */
 static shb_layers layers_of(const tile_job *job, size_t lane, shb_samples samples) {
@@ -166,6 +174,7 @@ static shb_layers layers_of(const tile_job *job, size_t lane, shb_samples sample
         .second = texel_at(desc->second.texels, stride, &samples),
         .ids = texel_at(desc->ids, stride, &samples),
         .cells = cells,
+        .used = used_at(job, &samples),
     };
 }
 
@@ -173,8 +182,11 @@ static void draw_coded(const tile_job *job, const shb_layers *layers) {
     const shb_draw_instance *instance = NULL;
     for (size_t i = 0; i < job->chunks->coded_count; i++) {
         const shb_coded *coded = &job->chunks->coded[i];
-        if (shb_samples_are_empty(shb_samples_intersect(coded->samples, layers->samples)))
+        const shb_samples reached = shb_samples_intersect(coded->samples, layers->samples);
+        if (shb_samples_are_empty(reached))
             continue;
+        shb_mark_used(job->used, (ptrdiff_t)shb_used_stride(job->desc->width), layers->ids != NULL,
+                      &reached);
         if (!instance || !shb_instance_has(instance, coded->id))
             instance = shb_geometry_instance(job->geometry, coded->id);
         shb_clip_position corners[3];
@@ -313,6 +325,10 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .chunks = chunks,
                     .counts = stats != NULL,
                     .grid = choose_grid(context, desc, geometry)};
+    if (job.grid.direct && !desc->view->reversed)
+        job.used = target->used;
+    else
+        shb_used_forget(target->used, desc->width, desc->height);
     if (!(job.grid.whole ? draw_whole : draw_tiles)(context, &job))
         return false;
     if (stats)

@@ -40,6 +40,8 @@ shb_tile shb_layers_tile(const shb_layers *layers, const shb_target *target, boo
         .cells = layers->cells,
         .second_cells = layers->second ? layers->cells + shb_cells_count(columns, rows) : NULL,
         .cell_stride = (ptrdiff_t)shb_cells_stride(columns),
+        .used = layers->used,
+        .used_stride = (ptrdiff_t)shb_used_stride((size_t)target->samples.last_column + 1),
         .x0 = samples->first_column,
         .y0 = samples->first_row,
         .right = samples->last_column + 1,
@@ -124,6 +126,8 @@ bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const
                      .lanes = {*layers}};
     const size_t rows = desc->height;
     if (job.lane_count > 1) {
+        job.lanes[0].used = NULL;
+        shb_used_forget(target->used, desc->width, rows);
         const shb_layers *own =
             shb_layers_reserve(context, desc, job.lane_count - 1, desc->width, rows);
         if (!own)

@@ -2,6 +2,7 @@
 
 #include "draw.h"
 
+#include "cells.h"
 #include "chunk_tile.h"
 #include "context.h"
 #include "format.h"
@@ -115,7 +116,7 @@ static bool draw_scalar(shb_context *context, const shb_draw_desc *desc,
 }
 
 shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
-                           const shb_plane_finder *planes, shb_draw_stats *stats) {
+                           const shb_plane_finder *planes, uint8_t *used, shb_draw_stats *stats) {
     if (!context)
         return SHB_ERROR_ARGUMENT;
     const shb_result result = check_desc(context, desc);
@@ -123,6 +124,9 @@ shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
         return result;
     shb_target target = shb_target_of(desc->width, desc->height, desc->view->reversed);
     target.planes = planes;
+    target.used = used;
+    if (!context->kernels)
+        shb_used_forget(used, desc->width, desc->height);
     shb_geometry geometry = {0};
     shb_draw_stats counted;
     if (!shb_geometry_prepare(context, desc, &geometry) ||
@@ -137,5 +141,5 @@ shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
 }
 
 shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_stats *stats) {
-    return shb_draw_planes(context, desc, NULL, stats);
+    return shb_draw_planes(context, desc, NULL, NULL, stats);
 }

@@ -9,6 +9,7 @@
 
 #include <time.h>
 
+#include "cells.h"
 #include "draw.h"
 #include "format.h"
 #include "lists.h"
@@ -45,6 +46,7 @@ static void replace_nan(size_t count, float value, float *depths) {
 
 static void combine_rows(shb_map *map, const shb_bias *bias, const layers *drawn) {
     const size_t width = map->info.width;
+    shb_used_forget(map->used, width, map->info.height);
     const bool reversed = map->info.view.reversed;
     for (uint32_t row = 0; row < map->info.height; row++) {
         float *nearest = drawn->nearest + row * width;
@@ -145,8 +147,8 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
         desc.id_stride = occluders.stride;
     }
     const bool draws_planes = keeps_texels && map->info.occluders == SHB_OCCLUDERS_PLANES;
-    result =
-        shb_draw_planes(map->context, &desc, draws_planes ? &occluders.drawn.finder : NULL, stats);
+    result = shb_draw_planes(map->context, &desc, draws_planes ? &occluders.drawn.finder : NULL,
+                             combines ? NULL : map->used, stats);
     if (result != SHB_OK) {
         if (prepares)
             shb_occluders_release(map, &occluders);

@@ -172,7 +172,7 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
 
 static size_t texel_bytes(const shb_map *map) {
     const shb_sheets *sheets = &map->occluders.sheets;
-    return (map->depth.stride + map->occluders.stride) * map->info.height +
+    return shb_map_depth_bytes(map) + map->occluders.stride * map->info.height +
            sheets->stride * sheets->height * sizeof *sheets->bounds;
 }
 

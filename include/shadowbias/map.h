@@ -71,7 +71,7 @@ void shb_map_destroy(shb_map *map);
 /* Valid until the map is destroyed; NULL for NULL. */
 const shb_map_info *shb_map_get_info(const shb_map *map);
 
-/* The stored depths, top row first; valid until the map is drawn again or destroyed. */
+/* The stored depths, top row first, to be read; valid until the map is drawn again or destroyed. */
 shb_depth_image shb_map_get_depth(const shb_map *map);
 
 /* Points of a host: any count, any layout. Strides in bytes, multiples of 4; 0: 12. */

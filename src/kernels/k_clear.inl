@@ -10,17 +10,42 @@ static void fill_far(int32_t columns, int32_t rows, ptrdiff_t stride, float far_
             texels[i] = far_depth;
 }
 
-/* Clears count cells of which the first one has this place in the tile. */
-static void clear_cells(const shb_tile *tile, int32_t column, int32_t row, int32_t count) {
+/* Clears layers of count cells of which the first one has this place in the tile. */
+static void clear_layers(const shb_tile *tile, int32_t column, int32_t row, int32_t count,
+                         uint8_t layers) {
     const int32_t x = column * SHB_CELL, y = row * SHB_CELL;
     const int32_t columns = MIN(count * SHB_CELL, tile->x1 - tile->x0 - x);
     const int32_t rows = MIN(SHB_CELL, tile->y1 - tile->y0 - y);
-    const ptrdiff_t at = y * tile->stride + x, first = row * tile->cell_stride + column;
-    fill_far(columns, rows, tile->stride, tile->far_depth, tile->depth + at);
+    const ptrdiff_t at = y * tile->stride + x;
+    if (layers & SHB_USED_DEPTH)
+        fill_far(columns, rows, tile->stride, tile->far_depth, tile->depth + at);
     if (tile->second)
         fill_far(columns, rows, tile->stride, tile->far_depth, tile->second + at);
-    for (int32_t j = 0; tile->ids && !tile->planes && j < rows; j++)
+    for (int32_t j = 0; layers & SHB_USED_IDS && j < rows; j++)
         memset(tile->ids + at + j * tile->stride, 0xff, (size_t)columns * sizeof *tile->ids);
+}
+
+/* The same where they are not clear. */
+static void clear_used(const shb_tile *tile, int32_t column, int32_t row, int32_t count,
+                       uint8_t layers) {
+    uint8_t *const used = tile->used + row * tile->used_stride + column;
+    for (int32_t i = 0, end; i < count; i = end) {
+        const uint8_t found = used[i] & layers;
+        for (end = i; end < count && (used[end] & layers) == found; end++)
+            used[end] &= (uint8_t)~layers;
+        if (found)
+            clear_layers(tile, column + i, row, end - i, found);
+    }
+}
+
+/* Clears count cells of which the first one has this place in the tile. */
+static void clear_cells(const shb_tile *tile, int32_t column, int32_t row, int32_t count) {
+    const ptrdiff_t first = row * tile->cell_stride + column;
+    const uint8_t layers = tile->ids && !tile->planes ? SHB_USED_ALL : SHB_USED_DEPTH;
+    if (tile->used)
+        clear_used(tile, column, row, MIN(count, (int32_t)tile->used_stride - column), layers);
+    else
+        clear_layers(tile, column, row, count, layers);
     fill_far(count, 1, 0, tile->far_depth, tile->cells + first);
     if (tile->second)
         fill_far(count, 1, 0, tile->far_depth, tile->second_cells + first);
@@ -44,6 +69,14 @@ static void clear_reached(const shb_tile *tile, const sample_rectangle *reached)
                 clear_cells(tile, start, row, MIN(column, stride) - start);
         }
     }
+}
+
+/* The same for triangles that are to be drawn there. */
+static void reach(const shb_tile *tile, const sample_rectangle *reached) {
+    clear_reached(tile, reached);
+    shb_mark_used(tile->used, tile->used_stride, tile->ids != NULL,
+                  &(shb_samples){reached->left - tile->x0, reached->top - tile->y0,
+                                 reached->right - 1 - tile->x0, reached->bottom - 1 - tile->y0});
 }
 
 static void clear(const shb_tile *tile) {

@@ -303,7 +303,7 @@ static bool draw_pairs(const shb_chunk *chunk, const shb_tile *tile, bool hidden
     if (hidden || kept.count == 0)
         return true;
     const sample_rectangle reached = clip_cluster(tile, &chunk->cluster);
-    clear_reached(tile, &reached);
+    reach(tile, &reached);
     expand_pairs(&chunk->cluster, &kept, &boxes, &planes);
     fetch_kept(chunk->cluster.corners, &kept, placed.vertices, &corners);
     draw_corners(chunk, tile, kept.count, kept.triangle, &corners, &boxes, &planes);
@@ -335,7 +335,7 @@ static uint32_t draw(const shb_chunk *chunk, const shb_tile *tile) {
     set_up_edges(list.count, &boxes, &planes);
     if (drop_missed(list.count, &planes, &boxes) == 0)
         return own;
-    clear_reached(tile, &reached);
+    reach(tile, &reached);
     fetch_corners(&list, &corners);
     draw_corners(chunk, tile, list.count, NULL, &corners, &boxes, &planes);
     return own;

@@ -1,0 +1,101 @@
+/* Maps that are drawn again and again: what one drawing leaves must not be seen in the next. */
+#include "../src/occluders.h"
+
+#include "probe.h"
+#include "random.h"
+#include "shadowbias/shadowbias.h"
+#include "soup.h"
+#include "test.h"
+
+#include <string.h>
+
+/* Some triangles near one place, of a size of their own; those near the light of a spot are cut. */
+static void add_patch(soup *s, test_random *random) {
+    const double x = random_double(random, -1, 1), y = random_double(random, -1, 1);
+    const double z = random_double(random, -2, 3.5), size = random_double(random, 0.01, 0.8);
+    for (uint32_t i = random_below(random, 3) ? 20 : 400; i > 0; i--) {
+        float corners[3][3];
+        for (int k = 0; k < 3; k++) {
+            corners[k][0] = (float)(x + random_double(random, -size, size));
+            corners[k][1] = (float)(y + random_double(random, -size, size));
+            corners[k][2] = (float)(z + random_double(random, -size, size));
+        }
+        soup_add(s, corners[0], corners[1], corners[2]);
+    }
+}
+
+/* True if both maps hold the same. */
+static bool are_equal(const shb_map *a, const shb_map *b) {
+    const shb_map_info *info = &a->info;
+    bool equal = a->occluders.held == b->occluders.held;
+    for (uint32_t row = 0; row < info->height; row++) {
+        const float *depth =
+            (const float *)(const void *)((const char *)a->depth.texels + row * a->depth.stride);
+        const char *other = (const char *)b->depth.texels + row * b->depth.stride;
+        equal &= memcmp(depth, other, info->width * sizeof *depth) == 0;
+        if (!a->occluders.held)
+            continue;
+        const uint32_t *texels = shb_occluder_row(a, (int32_t)row);
+        const uint32_t *others = shb_occluder_row(b, (int32_t)row);
+        /* Slopes mean nothing where there is no occluder. */
+        const bool slopes = info->occluders == SHB_OCCLUDERS_PLANES;
+        for (uint32_t i = 0; i < info->width; i++)
+            equal &= texels[i] == others[i] ||
+                     (slopes && depth[i] == (info->view.reversed ? 0.0f : 1.0f));
+    }
+    return equal;
+}
+
+/* Draws another scene, by another method, and compares with a map that is new. */
+static void draw_again(shb_context *context, const shb_map_desc *desc, shb_map *map,
+                       test_random *random) {
+    const shb_bias methods[] = {shb_bias_exact(), shb_bias_constant(0, SHB_UNIT_DEPTH),
+                                shb_bias_midpoint()};
+    const shb_bias *bias = &methods[random_below(random, 8) < 6 ? 0 : random_below(random, 3)];
+    soup s = {0};
+    for (uint32_t i = random_below(random, 12); i > 0; i--)
+        add_patch(&s, random);
+    soup_scene(&s);
+    shb_clusters *clusters = NULL;
+    if (s.count > 0 && random_below(random, 2))
+        CHECK_INT(shb_clusters_create(context, &s.mesh, &clusters), SHB_OK);
+    s.mesh.clusters = clusters;
+    shb_map *fresh = NULL;
+    CHECK_INT(shb_map_create(context, desc, &fresh), SHB_OK);
+    CHECK_INT(shb_map_draw(fresh, &s.scene, bias, NULL), SHB_OK);
+    CHECK_INT(shb_map_draw(map, &s.scene, bias, NULL), SHB_OK);
+    CHECK(are_equal(map, fresh));
+    shb_map_destroy(fresh);
+    shb_clusters_destroy(clusters);
+    soup_free(&s);
+}
+
+static void check_map(uint32_t threads, shb_isa isa, uint32_t width, test_random *random) {
+    const shb_context_desc context_desc = {.threads = threads, .max_isa = isa};
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(&context_desc, &context), SHB_OK);
+    for (int kind = 0; kind < 12; kind++) {
+        const bool reversed = kind / 3 % 2;
+        const shb_map_desc desc = {.view = kind < 6 ? probe_orthographic(reversed)
+                                                    : probe_perspective(reversed),
+                                   .width = width,
+                                   .height = width / 2 + 3,
+                                   .occluders = (shb_occluders)(kind % 3)};
+        shb_map *map = NULL;
+        CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+        for (int i = 0; i < 6; i++)
+            draw_again(context, &desc, map, random);
+        shb_map_destroy(map);
+    }
+    shb_context_destroy(context);
+}
+
+TEST(a_map_that_is_drawn_again_is_as_a_new_one) {
+    static const uint32_t widths[] = {400, 50, 32, 2064};
+    test_random random = {7};
+    for (uint32_t threads = 1; threads <= 3; threads++)
+        for (int i = 0; i < 4; i++)
+            check_map(threads, SHB_ISA_BEST, widths[i], &random);
+    check_map(1, SHB_ISA_SCALAR, 64, &random);
+    check_map(2, SHB_ISA_SSE2, 240, &random);
+}
