@@ -193,7 +193,7 @@ static void draw_coded(const tile_job *job, const shb_layers *layers) {
         shb_shape shape;
         shb_geometry_corners(instance, coded->id, corners);
         if (shb_shape_prepare(job->target, instance, corners, &shape) == SHB_OUTCOME_DRAWN)
-            shb_layers_draw(layers, job->target, &shape, coded->id);
+            shb_layers_draw(layers, job->target, instance, &shape, coded->id);
     }
 }
 

@@ -25,6 +25,7 @@
 #define SRC_DRAWN_PLANE_H
 
 #include "plane.h"
+#include "scene.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,12 +37,38 @@ typedef struct shb_occluder_plane {
     double z, slope_x, slope_y, error;
 } shb_occluder_plane;
 
-/* What tells the rasterizer the planes of triangles. */
+/* Planes are found for up to so many triangles at a time, in vectors that are no wider than
+ * SHB_PLANE_VECTOR. */
+#define SHB_PLANE_LANES 128
+#define SHB_PLANE_VECTOR 16
+
+/* Corners of triangles in their mesh: corner, axis. */
+typedef struct shb_plane_corners {
+    SHB_ALIGN float at[3][3][SHB_PLANE_LANES];
+} shb_plane_corners;
+
+/* The numbers of their planes. */
+typedef struct shb_found_planes {
+    SHB_ALIGN double z[SHB_PLANE_LANES];
+    double slope_x[SHB_PLANE_LANES], slope_y[SHB_PLANE_LANES], error[SHB_PLANE_LANES];
+} shb_found_planes;
+
+/* What tells the rasterizer the planes of an instance's triangles. */
 typedef struct shb_plane_finder {
-    void (*find)(const struct shb_plane_finder *finder, size_t count, const uint32_t *ids,
-                 shb_occluder_plane *planes);
+    void (*find)(const struct shb_plane_finder *finder, const struct shb_draw_instance *instance,
+                 size_t count, shb_plane_corners *corners, shb_found_planes *planes);
     double slope_unit; /* of the slopes that are drawn, a power of two */
 } shb_plane_finder;
+
+/* The corners of the mesh's triangle. */
+static inline void shb_plane_corners_set(shb_plane_corners *corners, size_t lane,
+                                         const shb_mesh *mesh, uint32_t triangle) {
+    uint32_t vertices[3];
+    shb_mesh_triangle(mesh, triangle, vertices);
+    for (int k = 0; k < 3; k++)
+        for (int axis = 0; axis < 3; axis++)
+            corners->at[k][axis][lane] = shb_mesh_position(mesh, vertices[k])[axis];
+}
 
 /* The one at or below a number that is neither negative nor subnormal. */
 static inline double shb_power_of_two(double value) {

@@ -51,24 +51,28 @@ static void draw_run(const shb_layers *layers, const shb_plane *plane, const shb
 }
 
 /* Slopes of the triangle's own plane, which is what is drawn. */
-static uint32_t take_plane(const shb_plane_finder *finder, const shb_samples *box, uint32_t id,
-                           shb_plane *plane) {
-    shb_occluder_plane found;
-    finder->find(finder, 1, &id, &found);
+static uint32_t take_plane(const shb_plane_finder *finder, const shb_draw_instance *instance,
+                           const shb_samples *box, uint32_t id, shb_plane *plane) {
+    shb_plane_corners corners;
+    shb_found_planes planes;
+    shb_plane_corners_set(&corners, 0, instance->mesh, (uint32_t)(id - instance->first_triangle));
+    finder->find(finder, instance, 1, &corners, &planes);
+    const shb_occluder_plane found = {planes.z[0], planes.slope_x[0], planes.slope_y[0],
+                                      planes.error[0]};
     shb_plane_raise(&found, box->first_column, box->first_row,
                     box->last_column - box->first_column + 1, box->last_row - box->first_row + 1,
                     plane);
     return shb_halves_of(found.slope_x / finder->slope_unit, found.slope_y / finder->slope_unit);
 }
 
-void shb_layers_draw(const shb_layers *layers, const shb_target *target, const shb_shape *shape,
-                     uint32_t id) {
+void shb_layers_draw(const shb_layers *layers, const shb_target *target,
+                     const shb_draw_instance *instance, const shb_shape *shape, uint32_t id) {
     const shb_samples box = shb_samples_intersect(shape->samples, layers->samples);
     if (shb_samples_are_empty(box))
         return;
     shb_plane plane = shb_plane_of(target, shape);
     if (target->planes)
-        id = take_plane(target->planes, &shape->samples, id, &plane);
+        id = take_plane(target->planes, instance, &shape->samples, id, &plane);
     const shb_cover cover = shb_cover_of(shape, box);
     for (int32_t row = box.first_row; row <= box.last_row; row++) {
         shb_run runs[SHB_RUNS_MAX];

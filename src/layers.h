@@ -26,10 +26,10 @@ shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc, 
 /* Far depths and no ids. */
 void shb_layers_clear(const shb_layers *layers, bool reversed);
 
-/* Merges a drawn shape. The order of shapes does not matter: at each sample the lowest (depth, id)
- * is the nearest layer, the next depth is the second. */
-void shb_layers_draw(const shb_layers *layers, const shb_target *target, const shb_shape *shape,
-                     uint32_t id);
+/* Merges a drawn shape, of a triangle of the instance. The order of shapes does not matter: at each
+ * sample the lowest (depth, id) is the nearest layer, the next depth is the second. */
+void shb_layers_draw(const shb_layers *layers, const shb_target *target,
+                     const shb_draw_instance *instance, const shb_shape *shape, uint32_t id);
 
 /* Stores the samples in the images that the description wants, except where a layer is the image.
  */

@@ -38,11 +38,10 @@ typedef struct shb_placed_scene {
     size_t count;
 } shb_placed_scene;
 
-/* What the planes of triangles are found from while a map that keeps them is drawn. */
+/* Finds the planes of triangles while a map that keeps them is drawn. */
 typedef struct shb_drawn_planes {
     shb_plane_finder finder;
     const struct shb_map *map;
-    shb_placed_scene placed;
 } shb_drawn_planes;
 
 /* What the buffers of a context's occluder_scratch hold: what a map of triangles kept of an earlier
@@ -69,7 +68,6 @@ typedef struct shb_occluder_data {
     shb_sheets sheets;
     shb_sheet_bins bins; /* while a scene is drawn, as what follows */
     shb_drawn_planes drawn;
-    size_t drawn_bytes; /* that drawing works with */
 } shb_occluder_data;
 
 /* What a filter made of the map's depths; by what, as in shb_filter. */

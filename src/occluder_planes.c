@@ -32,10 +32,6 @@ bool shb_placed_scene_make(shb_context *context, const shb_scene *scene, shb_pla
     return true;
 }
 
-static bool has_triangle(const shb_placed_instance *instance, size_t id) {
-    return id >= instance->first && id - instance->first < instance->mesh->triangle_count;
-}
-
 /* The instance of a triangle. */
 static const shb_placed_instance *instance_of(const shb_placed_scene *placed, size_t id) {
     size_t low = 0, high = placed->count;
@@ -46,49 +42,37 @@ static const shb_placed_instance *instance_of(const shb_placed_scene *placed, si
     return &placed->instances[low];
 }
 
-static void write_corners(const shb_placed_instance *instance, size_t id, size_t lane,
-                          shb_plane_corners *corners) {
-    uint32_t vertices[3];
-    shb_mesh_triangle(instance->mesh, (uint32_t)(id - instance->first), vertices);
-    for (int k = 0; k < 3; k++) {
-        const float *p = shb_mesh_position(instance->mesh, vertices[k]);
-        shb_vec3 corner = {(double)p[0], (double)p[1], (double)p[2]};
-        if (instance->moves)
-            corner = shb_mat4_transform_point(instance->transform, corner);
-        corners->at[k][0][lane] = corner.x;
-        corners->at[k][1][lane] = corner.y;
-        corners->at[k][2][lane] = corner.z;
-    }
+/* Fills up the lanes beyond the count, and finds what is asked for. */
+static void find_planes(const shb_map *map, const shb_mat4 *transform, size_t count,
+                        shb_plane_corners *corners, shb_found_planes *planes) {
+    for (size_t lane = count; lane % SHB_PLANE_VECTOR; lane++)
+        for (int k = 0; k < 3; k++)
+            for (int axis = 0; axis < 3; axis++)
+                corners->at[k][axis][lane] = corners->at[k][axis][count - 1];
+    map->context->shade_kernels->find_planes(map, transform, count, corners, planes);
 }
 
-void shb_occluder_planes_find(const shb_map *map, const shb_placed_scene *placed,
-                              const uint32_t *ids, size_t first, size_t count,
-                              shb_occluder_plane *planes) {
-    const shb_shade_kernels *kernels = map->context->shade_kernels;
-    const shb_placed_instance *instance = placed->instances;
+static void find_drawn(const shb_plane_finder *finder, const shb_draw_instance *instance,
+                       size_t count, shb_plane_corners *corners, shb_found_planes *planes) {
+    find_planes(((const shb_drawn_planes *)finder)->map,
+                instance->moves ? &instance->world_from_mesh : NULL, count, corners, planes);
+}
+
+shb_drawn_planes shb_drawn_planes_of(const shb_map *map, double slope_unit) {
+    return (shb_drawn_planes){{find_drawn, slope_unit}, map};
+}
+
+/* Planes of the instance's triangles from id on. */
+static void find_run(const shb_map *map, const shb_placed_instance *instance, size_t id,
+                     size_t count, shb_occluder_plane *planes) {
     shb_plane_corners corners = {0};
-    for (size_t i = 0, lanes; i < count; i += lanes) {
-        lanes = count - i < SHB_PLANE_LANES ? count - i : SHB_PLANE_LANES;
-        for (size_t lane = 0; lane < lanes; lane++) {
-            const size_t id = ids ? ids[i + lane] : first + i + lane;
-            if (!has_triangle(instance, id))
-                instance = instance_of(placed, id);
-            write_corners(instance, id, lane, &corners);
-        }
-        kernels->find_planes(map, lanes, &corners, planes + i);
-    }
-}
-
-static void find_drawn(const shb_plane_finder *finder, size_t count, const uint32_t *ids,
-                       shb_occluder_plane *planes) {
-    const shb_drawn_planes *drawn = (const shb_drawn_planes *)finder;
-    shb_occluder_planes_find(drawn->map, &drawn->placed, ids, 0, count, planes);
-}
-
-bool shb_drawn_planes_make(const shb_map *map, const shb_scene *scene, shb_occluder_data *made) {
-    made->drawn = (shb_drawn_planes){.finder = {find_drawn, made->slope_unit}, .map = map};
-    made->drawn_bytes = scene->instance_count * sizeof(shb_placed_instance);
-    return shb_placed_scene_make(map->context, scene, &made->drawn.placed);
+    shb_found_planes found;
+    for (size_t i = 0; i < count; i++)
+        shb_plane_corners_set(&corners, i, instance->mesh, (uint32_t)(id + i - instance->first));
+    find_planes(map, instance->moves ? &instance->transform : NULL, count, &corners, &found);
+    for (size_t i = 0; i < count; i++)
+        planes[i] =
+            (shb_occluder_plane){found.z[i], found.slope_x[i], found.slope_y[i], found.error[i]};
 }
 
 typedef struct plane_job {
@@ -101,8 +85,14 @@ typedef struct plane_job {
 static void make_block(void *arg, size_t index) {
     const plane_job *job = arg;
     const size_t first = index * TRIANGLES_PER_TASK, left = job->count - first;
-    const size_t count = left < TRIANGLES_PER_TASK ? left : TRIANGLES_PER_TASK;
-    shb_occluder_planes_find(job->map, job->placed, NULL, first, count, job->planes + first);
+    const size_t end = first + (left < TRIANGLES_PER_TASK ? left : TRIANGLES_PER_TASK);
+    for (size_t id = first, run; id < end; id += run) {
+        const shb_placed_instance *instance = instance_of(job->placed, id);
+        const size_t last = instance->first + instance->mesh->triangle_count;
+        run = (last < end ? last : end) - id;
+        run = run < SHB_PLANE_LANES ? run : SHB_PLANE_LANES;
+        find_run(job->map, instance, id, run, job->planes + id);
+    }
 }
 
 void shb_occluder_planes_make(const shb_map *map, const shb_placed_scene *placed, size_t count,

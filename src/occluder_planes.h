@@ -17,13 +17,8 @@ typedef struct shb_placed_instance {
 /* False: out of memory. */
 bool shb_placed_scene_make(shb_context *context, const shb_scene *scene, shb_placed_scene *placed);
 
-/* Makes a finder for the scene; false: out of memory. */
-bool shb_drawn_planes_make(const shb_map *map, const shb_scene *scene, shb_occluder_data *made);
-
-/* Planes of count triangles: those of the ids, or with ids NULL from the first one on. */
-void shb_occluder_planes_find(const shb_map *map, const shb_placed_scene *placed,
-                              const uint32_t *ids, size_t first, size_t count,
-                              shb_occluder_plane *planes);
+/* Finds the planes of what is drawn into the map. */
+shb_drawn_planes shb_drawn_planes_of(const shb_map *map, double slope_unit);
 
 /* One a triangle of the scene. */
 void shb_occluder_planes_make(const shb_map *map, const shb_placed_scene *placed, size_t count,

@@ -153,13 +153,11 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
     made->mesh = (shb_light_mesh){0};
     made->plane_count = count;
     made->planes = NULL;
-    made->drawn_bytes = 0;
     for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
         made->kept[i] = (shb_buffer){NULL, 0};
+    made->drawn = shb_drawn_planes_of(map, made->slope_unit);
     bool done = true;
-    if (keeps && map->info.occluders == SHB_OCCLUDERS_PLANES)
-        done = shb_drawn_planes_make(map, scene, made);
-    if (done && shb_map_keeps_sheets(map))
+    if (shb_map_keeps_sheets(map))
         done = shb_sheet_bins_reserve(map->context, &map->info, count, &made->bins);
     if (done && (walks || shb_map_keeps_sheets(map)))
         done = prepare_mesh(map, scene, walks, made);
@@ -199,6 +197,5 @@ void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *mad
     data->mesh.facing = NULL;
     if (!keeps || map->info.occluders != SHB_OCCLUDERS_TRIANGLES)
         release_drawn(context, data);
-    map->info.memory_bytes =
-        texel_bytes(map) + scene_bytes(data) + data->drawn_bytes + shb_prepared_bytes(map);
+    map->info.memory_bytes = texel_bytes(map) + scene_bytes(data) + shb_prepared_bytes(map);
 }

@@ -29,7 +29,7 @@ static void draw_list(const tile_job *job, const shb_layers *layers, size_t tile
         shb_shape shape;
         shb_geometry_corners(instance, id, corners);
         if (shb_shape_prepare(job->target, instance, corners, &shape) == SHB_OUTCOME_DRAWN)
-            shb_layers_draw(layers, job->target, &shape, id);
+            shb_layers_draw(layers, job->target, instance, &shape, id);
     }
 }
 

@@ -45,6 +45,7 @@ static void collect_instances(const shb_draw_desc *desc, bool with_kernels,
                               shb_draw_instance *instances, shb_geometry *geometry) {
     *geometry = (shb_geometry){.instances = instances, .few = are_few(desc)};
     const bool with_clusters = with_kernels && !geometry->few;
+    const shb_mat4 still = shb_mat4_identity();
     for (size_t i = 0; i < desc->scene->instance_count; i++) {
         const shb_instance *instance = &desc->scene->instances[i];
         if (instance->mesh->triangle_count == 0)
@@ -53,6 +54,8 @@ static void collect_instances(const shb_draw_desc *desc, bool with_kernels,
         shb_draw_instance *drawn = &instances[geometry->instance_count++];
         drawn->mesh = instance->mesh;
         drawn->clusters = with_clusters ? instance->mesh->clusters : NULL;
+        drawn->world_from_mesh = world_from_mesh;
+        drawn->moves = memcmp(&world_from_mesh, &still, sizeof still) != 0;
         drawn->clip_from_mesh = canonical_clip_from_mesh(desc->view, &world_from_mesh);
         drawn->affine = is_affine(&drawn->clip_from_mesh);
         drawn->first_vertex = geometry->vertex_count;

@@ -22,7 +22,8 @@ typedef struct shb_draw_instance {
     const shb_mesh *mesh;
     const shb_clusters
         *clusters; /* of the mesh, if they are what is drawn: it has no vertices then */
-    shb_mat4 clip_from_mesh;
+    shb_mat4 world_from_mesh, clip_from_mesh;
+    bool moves;  /* the mesh is not in the world as it is */
     bool affine; /* w is 1 */
     uint64_t first_vertex;
     uint64_t first_triangle; /* its id */

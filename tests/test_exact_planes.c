@@ -5,6 +5,7 @@
 #include "../src/occluders.h"
 #include "probe.h"
 #include "random.h"
+#include "shadowbias/clusters.h"
 #include "soup.h"
 #include "test.h"
 
@@ -289,20 +290,30 @@ TEST(maps_of_planes_are_the_same_by_every_instruction_set_and_number_of_threads)
     enum { WIDTH = 150, HEIGHT = 90 };
     static uint32_t expected[2 * WIDTH * HEIGHT], drawn[2 * WIDTH * HEIGHT];
     soup s = {0};
+    shb_context *context = NULL;
+    shb_clusters *clusters = NULL;
     add_clutter(&s);
+    soup_scene(&s);
+    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    CHECK_INT(shb_clusters_create(context, &s.mesh, &clusters), SHB_OK);
     for (int i = 0; i < 4; i++) {
         shb_map_desc desc = {.width = WIDTH, .height = HEIGHT, .occluders = SHB_OCCLUDERS_PLANES};
         desc.view = i & 2 ? probe_perspective(i & 1) : probe_orthographic(i & 1);
-        draw_planes(soup_scene(&s), &desc, SHB_ISA_SCALAR, 1, expected);
+        s.mesh.clusters = i & 1 ? clusters : NULL;
+        s.instance.world_from_mesh =
+            i & 2 ? shb_mat4_rotation((shb_vec3){0, 0, 1}, 0.7) : shb_mat4_identity();
+        draw_planes(&s.scene, &desc, SHB_ISA_SCALAR, 1, expected);
         uint32_t held = 0;
         for (int k = 0; k < WIDTH; k++)
             held += expected[HEIGHT * WIDTH + WIDTH + k] != SHB_ID_NONE;
         CHECK(held > WIDTH / 4);
         for (uint32_t isa = SHB_ISA_SCALAR; isa <= SHB_ISA_NEON; isa++)
             for (uint32_t threads = 1; threads <= 3; threads += 2) {
-                draw_planes(soup_scene(&s), &desc, (shb_isa)isa, threads, drawn);
+                draw_planes(&s.scene, &desc, (shb_isa)isa, threads, drawn);
                 CHECK(memcmp(drawn, expected, sizeof drawn) == 0);
             }
     }
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
     soup_free(&s);
 }

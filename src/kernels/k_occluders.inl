@@ -79,30 +79,42 @@ static inline ALWAYS_INLINE wide_plane plane_of(const shb_map *map, const shb_li
                         wd_where_greater(usable, zero, error, wd_splat((double)INFINITY))};
 }
 
-static inline ALWAYS_INLINE void find_planes_as(const shb_map *map, bool affine, size_t count,
-                                                const shb_plane_corners *corners,
-                                                shb_occluder_plane *planes) {
+/* Corner number k of triangles from lane i on, in the world. */
+static inline ALWAYS_INLINE void world_corner(const shb_plane_corners *corners,
+                                              const shb_mat4 *transform, int k, size_t i,
+                                              wd corner[3]) {
+    const wd x = wd_load_floats(corners->at[k][0] + i), y = wd_load_floats(corners->at[k][1] + i);
+    const wd z = wd_load_floats(corners->at[k][2] + i);
+    corner[0] = x;
+    corner[1] = y;
+    corner[2] = z;
+    for (int row = 0; transform && row < 3; row++) {
+        const double *m = transform->m + row;
+        corner[row] = m[0] * x + m[4] * y + m[8] * z + m[12];
+    }
+}
+
+static inline ALWAYS_INLINE void find_planes_as(const shb_map *map, bool affine,
+                                                const shb_mat4 *transform, size_t count,
+                                                const shb_plane_corners *restrict corners,
+                                                shb_found_planes *restrict planes) {
     const shb_light_rows rows = map->rows;
     for (size_t i = 0; i < count; i += DOUBLES) {
         wd at[3][3];
         for (int k = 0; k < 3; k++)
-            for (int axis = 0; axis < 3; axis++)
-                at[k][axis] = wd_load(corners->at[k][axis] + i);
-        const wide_plane wide = plane_of(map, &rows, affine, (const wd(*)[3])at);
-        double z[DOUBLES], slope_x[DOUBLES], slope_y[DOUBLES], error[DOUBLES];
-        wd_store(z, wide.z);
-        wd_store(slope_x, wide.slope_x);
-        wd_store(slope_y, wide.slope_y);
-        wd_store(error, wide.error);
-        for (size_t k = 0; k < DOUBLES && i + k < count; k++)
-            planes[i + k] = (shb_occluder_plane){z[k], slope_x[k], slope_y[k], error[k]};
+            world_corner(corners, transform, k, i, at[k]);
+        const wide_plane found = plane_of(map, &rows, affine, (const wd(*)[3])at);
+        wd_store(planes->z + i, found.z);
+        wd_store(planes->slope_x + i, found.slope_x);
+        wd_store(planes->slope_y + i, found.slope_y);
+        wd_store(planes->error + i, found.error);
     }
 }
 
-static void find_planes(const shb_map *map, size_t count, const shb_plane_corners *corners,
-                        shb_occluder_plane *planes) {
+static void find_planes(const shb_map *map, const shb_mat4 *transform, size_t count,
+                        const shb_plane_corners *corners, shb_found_planes *planes) {
     if (map->projection.affine)
-        find_planes_as(map, true, count, corners, planes);
+        find_planes_as(map, true, transform, count, corners, planes);
     else
-        find_planes_as(map, false, count, corners, planes);
+        find_planes_as(map, false, transform, count, corners, planes);
 }

@@ -213,28 +213,46 @@ static void find_ids(const shb_chunk *chunk, int count, const int32_t *list,
         ids[i] = first + triangle_of(chunk, (uint32_t)(list ? list[i] : i));
 }
 
-/* What a map that keeps planes holds of the kept triangles. */
-static void take_planes(const shb_chunk *chunk, const shb_plane_finder *finder, int listed,
-                        const int32_t *list, const chunk_boxes *boxes, chunk_planes *planes,
-                        uint32_t slopes[SHB_CHUNK]) {
-    shb_occluder_plane found[SHB_CHUNK];
-    uint32_t ids[SHB_CHUNK] = {0}, kept[SHB_CHUNK];
-    uint32_t count = 0;
-    find_ids(chunk, listed, list, slopes);
-    for (uint32_t t = 0; t < (uint32_t)listed; t++) {
-        kept[count] = t;
-        ids[count] = slopes[t];
-        count += (uint32_t)boxes->kept[t];
+/* The corners of a chunk's triangle in its mesh. */
+static void list_corners(const shb_chunk *chunk, uint32_t triangle, size_t lane,
+                         shb_plane_corners *corners) {
+    const shb_seen_cluster *cluster = &chunk->cluster;
+    if (chunk->vertices) {
+        shb_plane_corners_set(corners, lane, chunk->instance->mesh, triangle_of(chunk, triangle));
+        return;
     }
-    finder->find(finder, count, ids, found);
-    const double scale = 1 / finder->slope_unit;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t t = kept[i];
+    for (uint32_t k = 0; k < 3; k++) {
+        const float *x = cluster->positions + cluster->corners[shb_corner_place(triangle, k)];
+        for (uint32_t axis = 0; axis < 3; axis++)
+            corners->at[k][axis][lane] = x[axis * cluster->places];
+    }
+}
+
+/* From the first lanes, without gaps, to those that are kept; other lanes repeat some plane. */
+static void spread_planes(int lanes, uint32_t count, const chunk_boxes *boxes,
+                          shb_found_planes *planes) {
+    uint32_t from = count;
+    for (int t = lanes - 1; t >= 0; t--) {
+        from -= (uint32_t)boxes->kept[t];
+        const uint32_t at = from < count ? from : count - 1;
+        planes->z[t] = planes->z[at];
+        planes->slope_x[t] = planes->slope_x[at];
+        planes->slope_y[t] = planes->slope_y[at];
+        planes->error[t] = planes->error[at];
+    }
+}
+
+/* Makes the planes found what is drawn, and the slopes what is drawn for ids. */
+static void raise_planes(int count, const shb_found_planes *restrict found, double slope_scale,
+                         const chunk_boxes *restrict boxes, chunk_planes *restrict planes,
+                         uint32_t *restrict slopes) {
+    for (int t = 0; t < lanes_of(count); t++) {
+        const shb_occluder_plane own = {found->z[t], found->slope_x[t], found->slope_y[t],
+                                        found->error[t]};
         shb_plane plane = {
             .lo = planes->lo[t], .hi = planes->hi[t], .is_plain = planes->plain[t] != 0};
-        shb_plane_raise(&found[i], boxes->x[t], boxes->y[t], boxes->width[t], boxes->height[t],
-                        &plane);
-        slopes[t] = shb_halves_of(found[i].slope_x * scale, found[i].slope_y * scale);
+        shb_plane_raise(&own, boxes->x[t], boxes->y[t], boxes->width[t], boxes->height[t], &plane);
+        slopes[t] = shb_halves_of(own.slope_x * slope_scale, own.slope_y * slope_scale);
         planes->base[t] = plane.z0;
         planes->step_x[t] = plane.gx;
         planes->step_y[t] = plane.gy;
@@ -245,6 +263,21 @@ static void take_planes(const shb_chunk *chunk, const shb_plane_finder *finder, 
         planes->depth_x[t] = (float)plane.gx;
         planes->depth_y[t] = (float)plane.gy;
     }
+}
+
+/* What a map that keeps planes holds of the kept triangles. */
+static void take_planes(const shb_chunk *chunk, const shb_plane_finder *finder, int listed,
+                        const int32_t *list, const chunk_boxes *boxes, chunk_planes *planes,
+                        uint32_t slopes[SHB_CHUNK]) {
+    shb_plane_corners corners;
+    shb_found_planes found;
+    uint32_t count = 0;
+    for (int t = 0; t < listed; t++)
+        if (boxes->kept[t])
+            list_corners(chunk, (uint32_t)(list ? list[t] : t), count++, &corners);
+    finder->find(finder, chunk->instance, count, &corners, &found);
+    spread_planes(lanes_of(listed), count, boxes, &found);
+    raise_planes(listed, &found, 1 / finder->slope_unit, boxes, planes, slopes);
 }
 
 /* Draws what has been looked at. */

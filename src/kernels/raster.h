@@ -6,7 +6,7 @@
 #include "../drawn_plane.h"
 
 /* Triangles are set up this many at a time. */
-#define SHB_CHUNK 128
+#define SHB_CHUNK SHB_PLANE_LANES
 
 /* Vertices of a cluster: a byte reaches them all. */
 #define SHB_CLUSTER_VERTICES 256

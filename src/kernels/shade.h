@@ -15,13 +15,6 @@ typedef struct shb_pixel_row {
     uint32_t first;
 } shb_pixel_row;
 
-/* World positions of triangles whose planes are found at the same time. */
-#define SHB_PLANE_LANES 16
-
-typedef struct shb_plane_corners {
-    SHB_ALIGN double at[3][3][SHB_PLANE_LANES]; /* corner, axis */
-} shb_plane_corners;
-
 typedef struct shb_shade_kernels {
     /* Copies count triples without gaps; the last one fills up the lanes. */
     void (*load)(const float *triples, size_t count, float *x, float *y, float *z);
@@ -59,9 +52,10 @@ typedef struct shb_shade_kernels {
     size_t (*quick)(const shb_map *map, const shb_quick_bias *bias, size_t count,
                     const shb_receivers *receivers, float *visibility, uint16_t *doubtful);
 
-    /* Planes of count triangles, at most SHB_PLANE_LANES; all lanes of the corners are read. */
-    void (*find_planes)(const shb_map *map, size_t count, const shb_plane_corners *corners,
-                        shb_occluder_plane *planes);
+    /* Planes of count triangles, rounded up to whole vectors; transform: of their corners to the
+     * world, or NULL. */
+    void (*find_planes)(const shb_map *map, const shb_mat4 *transform, size_t count,
+                        const shb_plane_corners *corners, shb_found_planes *planes);
 
     /* Filters of boxes of texels, and of scattered ones. */
     shb_filter_fn *pcf, *pcf_smooth, *jittered, *poisson;
