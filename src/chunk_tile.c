@@ -17,6 +17,8 @@
 #define CACHED_TILE_BITS 17
 #define ROW_BITS_MIN 4
 
+#define TILE_ROWS_MAX (SHB_SIZE_MAX >> ROW_BITS_MIN)
+
 /* Each thread has this many tiles to take at least. */
 #define TILES_PER_THREAD 4
 
@@ -55,8 +57,9 @@ typedef struct tile_job {
     float
         *depths; /* tile_depths of each lane, if the lanes are NULL and no image holds the depth */
     size_t tile_depths;
-    atomic_size_t next;  /* row of tiles that nobody has begun */
-    atomic_size_t drawn; /* triangles of clusters */
+    uint16_t order[TILE_ROWS_MAX]; /* in which rows of tiles are begun */
+    atomic_size_t next;            /* place in the order that nobody has taken */
+    atomic_size_t drawn;           /* triangles of clusters */
 } tile_job;
 
 /* Bytes from one row of the image to the next. */
@@ -251,9 +254,28 @@ static void draw_tile(tile_job *job, size_t lane, size_t number) {
  * from the thread that writes there: two threads side by side were slower than one. */
 static void run_lane(void *arg, size_t index) {
     tile_job *job = arg;
-    for (size_t row; (row = atomic_fetch_add(&job->next, 1)) < job->bins.rows;)
+    for (size_t place; (place = atomic_fetch_add(&job->next, 1)) < job->bins.rows;)
         for (size_t column = 0; column < job->bins.columns; column++)
-            draw_tile(job, index, row * job->bins.columns + column);
+            draw_tile(job, index, job->order[place] * job->bins.columns + column);
+}
+
+static size_t clusters_of(const tile_job *job, size_t row) {
+    const size_t *ends = job->clusters.ends;
+    return ends[row] - (row ? ends[row - 1] : 0);
+}
+
+/* Where threads share the rows, those with most clusters come first: at the end none waits long for
+ * another. */
+static void order_rows(tile_job *job, size_t lanes) {
+    for (size_t row = 0; row < job->bins.rows; row++) {
+        size_t place = row;
+        for (; lanes > 1 && place > 0; place--) {
+            if (clusters_of(job, job->order[place - 1]) >= clusters_of(job, row))
+                break;
+            job->order[place] = job->order[place - 1];
+        }
+        job->order[place] = (uint16_t)row;
+    }
 }
 
 /* Room for the depth of as many rows for each lane, if no image holds it. */
@@ -287,6 +309,7 @@ static bool draw_tiles(shb_context *context, tile_job *job) {
         if (!job->lanes)
             return false;
     }
+    order_rows(job, lanes);
     atomic_init(&job->next, 0);
     atomic_init(&job->drawn, 0);
     shb_parallel_for(context, run_lane, job, lanes);
