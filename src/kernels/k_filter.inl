@@ -345,6 +345,20 @@ static void box_batch_init(const shb_filter_args *args, const shb_receivers *r, 
     place_boxes(r, lanes, batch);
 }
 
+/* Asks for the first and the last row of every other box that is read in place: neighbours have
+ * most texels in common, and what is new to one lies at its rim. */
+static inline ALWAYS_INLINE void prefetch_boxes(const box_batch *batch, size_t lanes) {
+    const char *texels = batch->map->depth.texels;
+    const size_t stride = batch->map->depth.stride;
+    for (size_t i = 0; i < lanes; i += 2) {
+        if (batch->place[i] < 0)
+            continue;
+        const char *first = texels + (size_t)batch->place[i] * sizeof(float);
+        __builtin_prefetch(first);
+        __builtin_prefetch(first + (size_t)(batch->size[i] - 1) * stride);
+    }
+}
+
 /* Of receiver planes; reads the parameter taps too. */
 static void box_batch_of_planes(const shb_filter_args *args, float least, box_batch *batch) {
     const float taps = args->filter->params[2];
@@ -355,6 +369,7 @@ static void box_batch_of_planes(const shb_filter_args *args, float least, box_ba
                    : flat                 ? TAPS_FLAT
                                           : TAPS_PLANE,
                    least, batch);
+    prefetch_boxes(batch, shb_round_to_lanes(args->count));
     store_planes(args->receivers, own, shb_round_to_lanes(args->count), batch);
 }
 
