@@ -1,24 +1,27 @@
 /* With u = 2^-24 and d = 2^-53, the units of rounding of float and double, let p be a fragment, o
- * the batch's origin, M the reach, |p_i| <= P, and w > 0 the point's own one with w_min below it.
+ * the middle of the batch, |p_i - o_i| <= M_i, |p_i| <= P, and w > 0 the point's own one with w_min
+ * below it.
  *
  * Ways. p - o is rounded once, relative error u.
  *
  * A coordinate. Its row r = (row - base * row_w), so that the coordinate is base + X / w with X =
- * r.(p - o) + c and c = r.o + r_3. T = M sum |r_i| + |c| bounds X. In float each product has the
- * rounding of r_i, of the way, its own and three sums', c its own and one sum's: X is within 7 u T
- * (seven for terms of higher order). So is w = row_w.(p - o) + w_o within 7 u V, V = M sum |row_w|
- * + w_o. 1 / w and the product round once more each. With w >= w_min and |X / w| <= reach = T /
- * w_min, X / w is within
- *     (7 u T + reach 7 u V) / w_min + 3 u reach  <=  8 u (T + reach (V + w_o)) / w_min.
- * In an affine map w is 1, and 7 u T is all.
+ * r.(p - o) + c and c = r.o + r_3. With S = sum M_i |r_i|, T = S + |c| bounds X. In float each
+ * product has the rounding of r_i, of the way, its own and three sums', c its own and one sum's: X
+ * is within u (7 S + 3 |c|) (one more each for terms of higher order). So is w = row_w.(p - o) +
+ * w_o within u (7 S_w + 3 w_o). 1 / w and the product round once more each. With w >= w_min and |X
+ * / w| <= reach = T / w_min, X / w is within
+ *     u (7 S + 3 |c| + reach (7 S_w + 3 w_o)) / w_min + 3 u reach
+ *     <=  u (7 S + 3 |c| + reach (7 S_w + 6 w_o)) / w_min.
+ * In an affine map w is 1, and u (7 S + 3 |c|) is all.
  *
  * What the double projection says of it, and r and c here, are each a few operations on the row's
  * elements times coordinates: G = P sum (|row_i| + |x| |row_w,i|) + |row_3| + |x| |row_w,3| with
  * |x| <= |base| + reach bounds all that is rounded, less than 64 times in all: 64 d G / w_min.
  * coordinate_row() sums both up as error.
  *
- * The texel. x - base lies between 1 and 2^22, so that truncation finds the texel and the place in
- * it is exact: both are sure where the place is farther than error from the texel's borders.
+ * The texel. base is the centre of a texel and |x - base| < 2^22, so that the nearest integer finds
+ * the texel and the way to its centre is exact: both are sure where that is less than half a texel
+ * by more than error.
  *
  * The comparison. Let A = stored - depth and B = z + run - epsilon, z counted from depth on. That A
  * < B is decided by rounded numbers exactly, A is within u |A|, which matters only where |A| <= 2
@@ -26,7 +29,8 @@
  * difference with epsilon are rounded to float: 3 u (|depth| + |z| + |run| + |epsilon|); A and B
  * take less than 5 u of the same. Where B is the far depth it is rounded once, and that depth is at
  * most 1. Epsilons are within 64 u of their size: w by less than 7 u 1.5
- * w_o / w_min <= 21 u, as w_o <= 2 w_min, twice that for its square, and some products.
+ * w_o / w_min <= 21 u, as S_w < w_o / 2 and w_o <= 2 w_min, twice that for its square, and some
+ * products.
  *
  * The run. n.xy, n.zy and n.xz are sums of three products and, unless the map is affine, of two
  * more that are multiplied by coordinates: 16 u N times the sum S of the elements' sizes, each
@@ -54,9 +58,9 @@
 /* A batch in double. */
 typedef struct batch {
     const double *row_w;
-    double origin[3], reach, largest; /* M, P */
-    double w, w_terms;                /* w_o, V */
-    double inverse;                   /* of w_min */
+    double origin[3], reach[3], largest; /* o, M, P */
+    double w, w_growth;                  /* w_o, S_w */
+    double inverse;                      /* of w_min */
     bool affine;
 } batch;
 
@@ -68,20 +72,34 @@ static double row_at(const double *row, const double *v) {
     return row[0] * v[0] + row[1] * v[1] + row[2] * v[2] + row[3];
 }
 
+/* How much a row's product with the ways from the origin may be. */
+static double growth(const batch *b, const double *row) {
+    return fabs(row[0]) * b->reach[0] + fabs(row[1]) * b->reach[1] + fabs(row[2]) * b->reach[2];
+}
+
+/* b if one is NaN. */
+static double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
+/* Of numbers below 2^51. */
+static double nearest_integer(double value) {
+    return (value + 0x1.8p52) - 0x1.8p52;
+}
+
 static bool start_batch(const shb_map *map, const shb_quick_extent *extent, batch *b) {
     b->row_w = map->rows.w;
     b->affine = map->projection.affine;
-    b->reach = (double)extent->reach * (1 + 2 * U);
     b->largest = 0;
     for (int i = 0; i < 3; i++) {
-        b->origin[i] = (double)extent->origin[i];
-        b->largest = fmax(b->largest, fabs(b->origin[i]));
+        const double least = (double)extent->least[i], most = (double)extent->most[i];
+        b->origin[i] = (double)(float)(0.5 * (least + most));
+        b->reach[i] = larger(most - b->origin[i], b->origin[i] - least) * (1 + 2 * U);
+        b->largest = larger(fabs(b->origin[i]) + b->reach[i], b->largest);
     }
-    b->largest += b->reach;
     b->w = row_at(b->row_w, b->origin);
-    const double growth = sum3(b->row_w) * b->reach;
-    const double w_min = (b->w - growth) * (1 - 0x1p-20);
-    b->w_terms = b->w + growth;
+    b->w_growth = growth(b, b->row_w);
+    const double w_min = (b->w - b->w_growth) * (1 - 0x1p-20);
     b->inverse = 1 / w_min;
     return w_min > 0.5 * b->w && b->w < LARGE && b->largest < 0x1p100;
 }
@@ -96,27 +114,23 @@ static coordinate coordinate_row(const batch *b, const double *row, double base,
     for (int i = 0; i < 4; i++)
         r[i] = row[i] - base * b->row_w[i];
     const double constant = row_at(r, b->origin);
-    const double terms = sum3(r) * b->reach + fabs(constant);
-    const double reach = terms * b->inverse;
+    const double ways = growth(b, r);
+    const double reach = (ways + fabs(constant)) * b->inverse;
     for (int i = 0; i < 4; i++)
         sizes[i] = fabs(row[i]) + (fabs(base) + reach) * fabs(b->row_w[i]);
     const double all = sum3(sizes) * b->largest + sizes[3];
     for (int i = 0; i < 3; i++)
         to[i] = (float)r[i];
     to[3] = (float)constant;
-    const double by_w = b->affine ? 0 : 8 * U * reach * (b->w_terms + b->w);
-    const double floats = 8 * U * terms + by_w;
+    const double by_w = b->affine ? 0 : reach * (7 * b->w_growth + 6 * b->w);
+    const double floats = U * (7 * ways + 3 * fabs(constant) + by_w);
     return (coordinate){base, reach, (floats + 64 * D * all) * b->inverse + 0x1p-120};
 }
 
-/* A texel coordinate: counted from a texel that lies before all fragments. */
+/* A texel coordinate: counted from the centre of the origin's texel. */
 static coordinate texel_row(const batch *b, const double *row, shb_quick_row to) {
     const double own = row_at(row, b->origin) / b->w;
-    double across[3];
-    for (int i = 0; i < 3; i++)
-        across[i] = row[i] - own * b->row_w[i];
-    const double way = sum3(across) * b->reach * b->inverse;
-    return coordinate_row(b, row, floor(own - way) - 1, to);
+    return coordinate_row(b, row, nearest_integer(own - 0.5) + 0.5, to);
 }
 
 static bool is_usable(const coordinate *texel) {
@@ -163,15 +177,16 @@ static void set_slopes(const shb_projection *p, double normal, const coordinate 
     const double error_xz = product_error(xz, p->x_cross_z, p->x_cross_w, z, p->z_cross_w, x);
     test->error_xy = (float)(2 * normal * error_xy);
     test->error_other = (float)(2 * normal * (error_zy + error_xz));
-    test->error_slope = (float)(fmax(x->error, y->error) + 16 * U);
+    test->error_slope = (float)(larger(x->error, y->error) + 16 * U);
 }
 
 bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
                        const shb_quick_extent *extent, shb_quick_test *test) {
     batch b;
-    memcpy(test->origin, extent->origin, sizeof test->origin);
     if (!start_batch(map, extent, &b))
         return false;
+    for (int i = 0; i < 3; i++)
+        test->origin[i] = (float)b.origin[i];
     const coordinate x = texel_row(&b, map->rows.x, test->x);
     const coordinate y = texel_row(&b, map->rows.y, test->y);
     test->depth = (float)(row_at(map->rows.z, b.origin) / b.w);
@@ -189,10 +204,9 @@ bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
         test->epsilon[0] = (float)(bias->epsilon[0] + bias->epsilon[1] + bias->epsilon[2]);
     if (!is_usable(&x) || !is_usable(&y) || !(fabs(z.base) + z.reach + epsilon < LARGE))
         return false;
-    test->texel_x = (int32_t)x.base;
-    test->texel_y = (int32_t)y.base;
-    test->sure_x = (float)(0.5 - x.error - U);
-    test->sure_y = (float)(0.5 - y.error - U);
+    test->texel_x = (int32_t)(x.base - 0.5);
+    test->texel_y = (int32_t)(y.base - 0.5);
+    test->sure = (float)(0.5 - larger(x.error, y.error) - U);
     const double rounding = 8 * U * (1 + fabs(z.base) + z.reach + epsilon) + 64 * U * epsilon;
     test->error = (float)((z.error + rounding) * (1 + 0x1p-20));
     if (bias->plane)

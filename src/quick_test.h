@@ -13,17 +13,16 @@ typedef struct shb_quick_bias {
     double epsilon[3];
 } shb_quick_bias;
 
-/* Where the fragments of a batch lie: no coordinate is farther than reach from the origin's, no
- * element of a normal larger than normal. */
+/* Where the fragments of a batch lie, and the largest element of a normal. */
 typedef struct shb_quick_extent {
-    float origin[3], reach, normal;
+    float least[3], most[3], normal;
 } shb_quick_extent;
 
 /* Row times (way from the origin, 1). */
 typedef float shb_quick_row[4];
 
-/* What the lanes of a batch have in common. x and y are counted from the texel (texel_x, texel_y)
- * on, which lies to the left of and above all fragments, and z from depth on. */
+/* What the lanes of a batch have in common. x and y are counted from the centre of the texel
+ * (texel_x, texel_y) on, and z from depth on. */
 typedef struct shb_quick_test {
     float origin[3];
     shb_quick_row x, y, z, w;
@@ -32,7 +31,7 @@ typedef struct shb_quick_test {
     float epsilon[3];
     /* A coordinate is sure nearer than this to the middle of its texel, a comparison farther than
      * error from equality. */
-    float sure_x, sure_y, error;
+    float sure, error;
     /* The elements that a plane's slopes are made of, as in k_project.inl, and by what their
      * errors count: as 1 / n.xy, as the slopes over it, as the slopes. */
     float xy[3], zy[3], xz[3], xw[3], yw[3], zw[3];

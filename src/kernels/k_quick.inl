@@ -1,33 +1,39 @@
 /* The hard test in float: quick_test.c derives what is sure. */
 
-static inline ALWAYS_INLINE float largest_lane(vf v) {
-    float largest = 0;
-    for (int i = 0; i < WIDE; i++)
-        largest = v[i] > largest ? v[i] : largest;
-    return largest;
+/* The least and the most of each coordinate. NaN are left out: they are never sure. INFINITY and
+ * -INFINITY if all are. */
+static inline ALWAYS_INLINE void find_ranges(size_t lanes, const float *x, const float *y,
+                                             const float *z, float least[3], float most[3]) {
+    const float *const from[3] = {x, y, z};
+    vf low[3], high[3];
+    for (int k = 0; k < 3; k++) {
+        low[k] = vf_splat(INFINITY);
+        high[k] = vf_splat(-INFINITY);
+    }
+    for (size_t i = 0; i < lanes; i += WIDE)
+        for (int k = 0; k < 3; k++) {
+            low[k] = vf_min(vf_load(from[k] + i), low[k]);
+            high[k] = vf_max(vf_load(from[k] + i), high[k]);
+        }
+    for (int k = 0; k < 3; k++) {
+        least[k] = vf_least(low[k]);
+        most[k] = -vf_least(-high[k]);
+    }
 }
 
-/* The largest way from an origin among lanes. NaN may be left out: its lane is never sure. */
-static inline ALWAYS_INLINE float largest_way(size_t lanes, const float *x, const float *y,
-                                              const float *z, const float *origin) {
-    const float ox = origin[0], oy = origin[1], oz = origin[2];
-    vf reach_x = vf_splat(0), reach_y = reach_x, reach_z = reach_x;
-    for (size_t i = 0; i < lanes; i += WIDE) {
-        reach_x = vf_max(vf_abs(vf_load(x + i) - ox), reach_x);
-        reach_y = vf_max(vf_abs(vf_load(y + i) - oy), reach_y);
-        reach_z = vf_max(vf_abs(vf_load(z + i) - oz), reach_z);
-    }
-    return largest_lane(vf_max(vf_max(reach_x, reach_y), reach_z));
+static inline ALWAYS_INLINE float largest_element(size_t lanes, const shb_receivers *r) {
+    float least[3], most[3], largest = 0;
+    find_ranges(lanes, r->normal_x, r->normal_y, r->normal_z, least, most);
+    for (int k = 0; k < 3; k++)
+        largest = fmaxf(largest, fmaxf(-least[k], most[k]));
+    return largest;
 }
 
 static inline ALWAYS_INLINE shb_quick_extent extent_of(size_t count, bool plane,
                                                        const shb_receivers *r) {
-    static const float none[3] = {0, 0, 0};
-    const size_t middle = count / 2, lanes = shb_round_to_lanes(count);
-    shb_quick_extent extent = {.origin = {r->x[middle], r->y[middle], r->z[middle]}};
-    extent.reach = largest_way(lanes, r->x, r->y, r->z, extent.origin);
-    if (plane)
-        extent.normal = largest_way(lanes, r->normal_x, r->normal_y, r->normal_z, none);
+    const size_t lanes = shb_round_to_lanes(count);
+    shb_quick_extent extent = {.normal = plane ? largest_element(lanes, r) : 0};
+    find_ranges(lanes, r->x, r->y, r->z, extent.least, extent.most);
     return extent;
 }
 
@@ -35,12 +41,16 @@ static inline ALWAYS_INLINE vf quick_dot(const float *row, vf x, vf y, vf z) {
     return (row[0] * x + row[1] * y) + row[2] * z;
 }
 
-/* The texel of a coordinate and the way to its centre, which is as far as a border where it is not
- * sure: NaN counts as such. */
-static inline ALWAYS_INLINE vf split_texel(vf value, vi *texel) {
-    value = vf_where(value < 0x1p23f, value, vf_splat(0));
-    *texel = __builtin_convertvector(value, vi);
-    return 0.5f - (value - __builtin_convertvector(*texel, vf));
+/* Added to a number below 2^22, it leaves the nearest integer in the lowest bits. */
+#define ROUNDER 0x1.8p23f
+#define ROUNDER_BITS 0x4b400000u
+
+/* The texel of a coordinate that is counted from the centre of texel first on, and the way to its
+ * centre. Of other numbers any. */
+static inline ALWAYS_INLINE vf split_texel(vf value, int32_t first, vi *texel) {
+    const vf rounded = value + ROUNDER;
+    *texel = (vi)((vu)rounded + ((uint32_t)first - ROUNDER_BITS));
+    return (rounded - ROUNDER) - value;
 }
 
 /* The depth of the plane from the fragment to the texel's centre, and its error. */
@@ -94,7 +104,7 @@ static inline ALWAYS_INLINE void project_quickly(const shb_map *map, const shb_q
                                                  quick_receivers *restrict out) {
     const shb_quick_test t = *test;
     const float *texels = map->depth.texels;
-    const int32_t stride = (int32_t)(map->depth.stride / 4);
+    const uint32_t stride = (uint32_t)(map->depth.stride / 4);
     const uint32_t width = map->info.width, height = map->info.height;
     const float ox = t.origin[0], oy = t.origin[1], oz = t.origin[2];
     const vf outside = vf_splat(-INFINITY), unsure = vf_splat(NAN);
@@ -113,14 +123,14 @@ static inline ALWAYS_INLINE void project_quickly(const shb_map *map, const shb_q
             epsilon += inverse * (t.epsilon[1] + inverse * t.epsilon[2]);
         }
         vi texel_x, texel_y;
-        const vf center_x = split_texel(x, &texel_x), center_y = split_texel(y, &texel_y);
-        const vi is_sure = (vf_abs(center_x) < t.sure_x) & (vf_abs(center_y) < t.sure_y);
-        texel_x += t.texel_x;
-        texel_y += t.texel_y;
+        const vf center_x = split_texel(x, t.texel_x, &texel_x);
+        const vf center_y = split_texel(y, t.texel_y, &texel_y);
+        /* Both ways are NaN or none. */
+        const vi is_sure = vf_max(vf_abs(center_x), vf_abs(center_y)) < t.sure;
         const vi inside = (vi)((vu)texel_x < width) & (vi)((vu)texel_y < height);
-        vi_store(out->place + i, inside & (texel_y * stride + texel_x));
-        for (size_t lane = 0; lane < WIDE; lane++)
-            __builtin_prefetch(texels + out->place[i + lane]);
+        const vi place = inside & (vi)((vu)texel_y * stride + (vu)texel_x);
+        vi_store(out->place + i, place);
+        vf_prefetch(texels, place);
         if (plane) {
             vf error;
             z += quick_run(&t, affine, r, i, x, y, z, center_x, center_y, &error);
