@@ -106,8 +106,7 @@ static inline ALWAYS_INLINE void place_taps(const pcss_disk *disk, const pcss_la
     }
 }
 
-/* The same for taps that all lie inside a map whose texels can be gathered; not by the exact
- * method. */
+/* The same for taps that all lie inside a map whose texels can be gathered. */
 static inline ALWAYS_INLINE pcss_blocked ask_disk_inside(const shb_pcss *pcss, const shb_map *map,
                                                          const pcss_lanes *own, vf radius_x,
                                                          vf radius_y, int count, bool sums) {
@@ -122,7 +121,11 @@ static inline ALWAYS_INLINE pcss_blocked ask_disk_inside(const shb_pcss *pcss, c
         place_taps(&disk, own, (uint32_t)(map->depth.stride / 4), first, some, indices, planes);
         for (int k = 0; k < some; k++) {
             const vf stored = sign * vf_read(map->depth.texels, indices[k]);
-            const vi blocked = stored < planes[k];
+            vi blocked = stored < planes[k];
+            if (own->mutual && vi_any(blocked))
+                blocked = shadowed_taps(own->mutual, own->first, blocked,
+                                        column_bits(&disk, first + k) - ROUNDING,
+                                        row_bits(&disk, first + k) - ROUNDING, stored);
             hits -= blocked;
             if (sums)
                 depth += vf_keep(blocked, stored);
@@ -149,7 +152,7 @@ static bool all_inside(const shb_map *map, const pcss_lanes *own, vf radius_x, v
 static inline ALWAYS_INLINE pcss_blocked ask_disk_of(const shb_pcss *pcss, const shb_map *map,
                                                      const pcss_lanes *own, vf radius_x,
                                                      vf radius_y, int count, bool sums) {
-    if (!own->mutual && can_gather(map) && all_inside(map, own, radius_x, radius_y))
+    if (can_gather(map) && all_inside(map, own, radius_x, radius_y))
         return ask_disk_inside(pcss, map, own, radius_x, radius_y, count, sums);
     return ask_disk(pcss, map, own, radius_x, radius_y, count, sums);
 }
