@@ -9,12 +9,11 @@
 
 #define AMBIENT 0.08f
 
+/* Of one fragment, or of a vector of them. */
+#define AMBIENT_LIGHT(shading_y) (AMBIENT * 0.5f * (1 + (shading_y)))
+
 /* Of the grey under the error colours. */
 #define DIM 0.25f
-
-static float ambient(float shading_y) {
-    return AMBIENT * 0.5f * (1 + shading_y);
-}
 
 /* Neighbouring fragments. */
 typedef float floats4 __attribute__((vector_size(16)));
@@ -35,7 +34,7 @@ void shb_shade_lambert(const shb_shade_args *args) {
     memcpy(surface, args->user ? args->user : white, sizeof surface);
     const shb_shade_args given = *args;
     for (size_t i = 0; i < given.count; i += 4) {
-        const floats4 low = AMBIENT * 0.5f * (1 + load4(given.fragments->shading_y + i));
+        const floats4 low = AMBIENT_LIGHT(load4(given.fragments->shading_y + i));
         floats4 red = low, green = low, blue = low;
         for (size_t k = 0; k < given.light_count; k++) {
             const floats4 visibility = load4(given.lighting[k].visibility + i);
@@ -70,7 +69,7 @@ void shb_shade_error(const shb_shade_args *args) {
     for (size_t i = 0; i < args->count; i++) {
         const float visibility = args->light_count ? args->lighting[0].visibility[i] : 1;
         const float cosine = args->light_count ? args->lighting[0].cosine[i] : 0;
-        const float level = DIM * (ambient(fragments->shading_y[i]) + visibility * cosine);
+        const float level = DIM * (AMBIENT_LIGHT(fragments->shading_y[i]) + visibility * cosine);
         const float grey[3] = {level, level, level};
         const size_t row = (size_t)fragments->pixel_y[i], column = (size_t)fragments->pixel_x[i];
         const float *error = error_color(params->truth[row * params->stride + column], visibility);
