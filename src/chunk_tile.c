@@ -48,7 +48,7 @@ typedef struct tile_job {
     const shb_chunks *chunks;
     grid grid;
     bool counts;
-    uint8_t *used; /* the target's, if tiles are drawn in the images and stay as they are */
+    uint8_t *used; /* the target's, if tiles are drawn in the images */
     shb_chunk_bins bins;
     shb_cluster_bins clusters;
     shb_layers *lanes; /* NULL when tiles are drawn directly */
@@ -348,7 +348,7 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .chunks = chunks,
                     .counts = stats != NULL,
                     .grid = choose_grid(context, desc, geometry)};
-    if (job.grid.direct && !desc->view->reversed)
+    if (job.grid.direct)
         job.used = target->used;
     else
         shb_used_forget(target->used, desc->width, desc->height);

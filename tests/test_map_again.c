@@ -38,10 +38,10 @@ static bool are_equal(const shb_map *a, const shb_map *b) {
         const uint32_t *texels = shb_occluder_row(a, (int32_t)row);
         const uint32_t *others = shb_occluder_row(b, (int32_t)row);
         /* Slopes mean nothing where there is no occluder. */
-        const bool slopes = info->occluders == SHB_OCCLUDERS_PLANES;
+        const float empty = info->view.reversed ? 0.0f : 1.0f;
         for (uint32_t i = 0; i < info->width; i++)
-            equal &= texels[i] == others[i] ||
-                     (slopes && depth[i] == (info->view.reversed ? 0.0f : 1.0f));
+            equal &= (depth[i] == empty && info->occluders == SHB_OCCLUDERS_PLANES) ||
+                     texels[i] == others[i];
     }
     return equal;
 }
