@@ -40,8 +40,7 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
     const W(wi) id = W(wi_splat)((int32_t)triangle);
     W(wi) row[3], step_x[3], step_y[3];
     for (int k = 0; k < 3; k++) {
-        row[k] = W(wi_add)(W(wi_splat)(edges->value[k]),
-                           W(wi_mul)(W(wi_splat)(edges->step_x[k]), W(wi_lanes)()));
+        row[k] = W(wi_add)(W(wi_splat)(edges->value[k]), W(wi_ramp)(edges->step_x[k]));
         step_x[k] = W(wi_splat)(edges->step_x[k] * LANES);
         step_y[k] = W(wi_splat)(edges->step_y[k]);
     }
@@ -173,10 +172,9 @@ W(draw_rows)(const shb_tile *tile, int layers, const chunk_boxes *boxes, const c
     W(wf) along[VECTORS_MAX];
     for (int v = 0; v < vectors; v++) {
         const int32_t shift = left - boxes->x[t] + v * LANES;
-        const W(wi) lanes = W(wi_add)(W(wi_splat)(shift), W(wi_lanes)());
         for (int k = 0; k < 3; k++)
-            edge[v][k] = W(wi_add)(W(wi_splat)(planes->edge[k][t]),
-                                   W(wi_mul)(W(wi_splat)(planes->edge_x[k][t]), lanes));
+            edge[v][k] = W(wi_add)(W(wi_splat)(planes->edge[k][t] + planes->edge_x[k][t] * shift),
+                                   W(wi_ramp)(planes->edge_x[k][t]));
         along[v] = W(wf_mul)(W(wf_splat)(planes->depth_x[t]),
                              W(wf_add)(W(wf_splat)((float)shift), W(wf_lanes)()));
     }

@@ -7,9 +7,10 @@
  *
  *   wf, wi                floats, 32-bit integers
  *   wf_splat, wi_splat    the same number in every lane
- *   wf_lanes, wi_lanes    0, 1, 2, ...
+ *   wf_lanes              0, 1, 2, ...
  *   wf_load, wf_store, wi_load, wi_store    from and to any address
- *   wf_add, wf_mul, wi_add, wi_mul
+ *   wf_add, wf_mul, wi_add
+ *   wi_ramp(step)         0, step, 2 * step, ...
  *   wi_or_three(a, b, c)  a | b | c
  *   wf_min_inside(edges, z, q)
  *                         edges >= 0 && z < q ? z : q

@@ -29,9 +29,6 @@ static inline wf8 wf_max8(wf8 a, wf8 b) {
 static inline wi8 wi_splat8(int32_t v) {
     return _mm256_set1_epi32(v);
 }
-static inline wi8 wi_lanes8(void) {
-    return _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-}
 static inline wf8 wf_lanes8(void) {
     return _mm256_setr_ps(0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f);
 }
@@ -44,8 +41,9 @@ static inline void wi_store8(void *p, wi8 v) {
 static inline wi8 wi_add8(wi8 a, wi8 b) {
     return _mm256_add_epi32(a, b);
 }
-static inline wi8 wi_mul8(wi8 a, wi8 b) {
-    return _mm256_mullo_epi32(a, b);
+static inline wi8 wi_ramp8(int32_t step) {
+    const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    return _mm256_mullo_epi32(_mm256_set1_epi32(step), lanes);
 }
 static inline wi8 wi_or_three8(wi8 a, wi8 b, wi8 c) {
     return _mm256_or_si256(_mm256_or_si256(a, b), c);

@@ -44,8 +44,8 @@ static inline void wi_store16(void *p, wi16 v) {
 static inline wi16 wi_add16(wi16 a, wi16 b) {
     return _mm512_add_epi32(a, b);
 }
-static inline wi16 wi_mul16(wi16 a, wi16 b) {
-    return _mm512_mullo_epi32(a, b);
+static inline wi16 wi_ramp16(int32_t step) {
+    return _mm512_mullo_epi32(_mm512_set1_epi32(step), wi_lanes16());
 }
 static inline wi16 wi_or_three16(wi16 a, wi16 b, wi16 c) {
     return _mm512_ternarylogic_epi32(a, b, c, 0xfe);

@@ -45,8 +45,8 @@ static inline void wi_store4(void *p, wi4 v) {
 static inline wi4 wi_add4(wi4 a, wi4 b) {
     return vaddq_s32(a, b);
 }
-static inline wi4 wi_mul4(wi4 a, wi4 b) {
-    return vmulq_s32(a, b);
+static inline wi4 wi_ramp4(int32_t step) {
+    return vmulq_n_s32(wi_lanes4(), step);
 }
 static inline wi4 wi_or_three4(wi4 a, wi4 b, wi4 c) {
     return vorrq_s32(vorrq_s32(a, b), c);

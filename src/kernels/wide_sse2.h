@@ -29,9 +29,6 @@ static inline wf4 wf_max4(wf4 a, wf4 b) {
 static inline wi4 wi_splat4(int32_t v) {
     return _mm_set1_epi32(v);
 }
-static inline wi4 wi_lanes4(void) {
-    return _mm_setr_epi32(0, 1, 2, 3);
-}
 static inline wf4 wf_lanes4(void) {
     return _mm_setr_ps(0.0f, 1.0f, 2.0f, 3.0f);
 }
@@ -44,11 +41,10 @@ static inline void wi_store4(void *p, wi4 v) {
 static inline wi4 wi_add4(wi4 a, wi4 b) {
     return _mm_add_epi32(a, b);
 }
-static inline wi4 wi_mul4(wi4 a, wi4 b) {
-    const __m128i even = _mm_mul_epu32(a, b);
-    const __m128i odd = _mm_mul_epu32(_mm_srli_epi64(a, 32), _mm_srli_epi64(b, 32));
-    return _mm_unpacklo_epi32(_mm_shuffle_epi32(even, _MM_SHUFFLE(0, 0, 2, 0)),
-                              _mm_shuffle_epi32(odd, _MM_SHUFFLE(0, 0, 2, 0)));
+static inline wi4 wi_ramp4(int32_t step) {
+    const __m128i one = _mm_set1_epi32(step), two = _mm_add_epi32(one, one);
+    return _mm_add_epi32(_mm_and_si128(one, _mm_setr_epi32(0, -1, 0, -1)),
+                         _mm_and_si128(two, _mm_setr_epi32(0, 0, -1, -1)));
 }
 static inline wi4 wi_or_three4(wi4 a, wi4 b, wi4 c) {
     return _mm_or_si128(_mm_or_si128(a, b), c);
