@@ -76,39 +76,19 @@ static bool find_facets(const float *positions, const uint8_t *corners, const sh
     return true;
 }
 
-static void bound_by_box(const facet *facets, uint32_t count, shb_cluster *cluster) {
-    for (uint32_t i = 0; i < count; i++) {
-        const shb_vec3 n = facets[i].normal;
-        const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
-        for (int axis = 0; axis < 3; axis++) {
-            float *lo = &cluster->normal_lo[axis], *hi = &cluster->normal_hi[axis];
-            *lo = i == 0 || normal[axis] < *lo ? normal[axis] : *lo;
-            *hi = i == 0 || normal[axis] > *hi ? normal[axis] : *hi;
-        }
-    }
-}
+/* A normal's product with a direction is off by less than 2^-18. */
+#define PRODUCT_DOUBT 0x1p-17
 
-static void bound_by_cone(const facet *facets, uint32_t count, shb_cluster *cluster) {
-    shb_vec3 sum = {0, 0, 0};
-    double cosine = 1;
+static int8_t largest_product(const facet *facets, uint32_t count, shb_vec3 direction) {
+    double largest = -2;
     for (uint32_t i = 0; i < count; i++)
-        sum = shb_vec3_add(sum, facets[i].normal);
-    const double length = shb_vec3_length(sum);
-    if (!(length > 0))
-        return;
-    const shb_vec3 axis = shb_vec3_scale(sum, 1 / length);
-    for (uint32_t i = 0; i < count; i++)
-        cosine = fmin(cosine, shb_vec3_dot(axis, facets[i].normal));
-    cluster->axis[0] = (float)axis.x;
-    cluster->axis[1] = (float)axis.y;
-    cluster->axis[2] = (float)axis.z;
-    cluster->cosine = (float)cosine;
+        largest = fmax(largest, shb_vec3_dot(facets[i].normal, direction));
+    return (int8_t)ceil(SHB_NORMAL_UNIT * (largest + PRODUCT_DOUBT));
 }
 
 static void bound_normals(const float *positions, const uint8_t *corners, shb_cluster *cluster) {
     facet facets[SHB_CHUNK];
     uint32_t count;
-    cluster->cosine = -1;
     cluster->height = 0;
     if (!find_facets(positions, corners, cluster, facets, &count) || count == 0)
         return;
@@ -116,8 +96,11 @@ static void bound_normals(const float *positions, const uint8_t *corners, shb_cl
     for (uint32_t i = 0; i < count; i++)
         height = fmin(height, facets[i].height);
     cluster->height = (float)height;
-    bound_by_box(facets, count, cluster);
-    bound_by_cone(facets, count, cluster);
+    for (int x = -1; x <= 1; x++)
+        for (int y = -1; y <= 1; y++)
+            for (int z = -1; z <= 1; z++)
+                cluster->largest[shb_direction(x, y, z)] =
+                    largest_product(facets, count, (shb_vec3){x, y, z});
 }
 
 void shb_cluster_bound(const float *positions, const uint8_t *corners, shb_cluster *cluster) {

@@ -1,10 +1,10 @@
-/* The boxes and the cone of a cluster. */
+/* What bounds a cluster's vertices and normals. */
 #ifndef SRC_CLUSTER_BOUNDS_H
 #define SRC_CLUSTER_BOUNDS_H
 
 #include "clusters.h"
 
-/* Fills in boxes, cone and height of a cluster whose counts are known; positions: all x of its
+/* Fills in box, height and normals of a cluster whose counts are known; positions: all x of its
  * vertices, then, places on, all y and all z. */
 void shb_cluster_bound(const float *positions, const uint8_t *corners, shb_cluster *cluster);
 

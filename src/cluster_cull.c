@@ -67,10 +67,6 @@ static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
 
-static inline double smaller(double a, double b) {
-    return a < b ? a : b;
-}
-
 static double squared3(const double v[3]) {
     return (v[0] * v[0] + v[1] * v[1]) + v[2] * v[2];
 }
@@ -245,22 +241,24 @@ static void find_origin(const shb_samples *samples, shb_seen_cluster *seen) {
     seen->origin_y = samples->first_row + ORIGIN_DISTANCE;
 }
 
-/* No normal of the cone has a larger product with v; HUGE_VAL: it says nothing. */
-static double largest_in_cone(const shb_cluster *cluster, const double v[3]) {
-    const double cosine = (double)cluster->cosine;
-    const double along = ((double)cluster->axis[0] * v[0] + (double)cluster->axis[1] * v[1]) +
-                         (double)cluster->axis[2] * v[2];
-    if (!(cosine > 0 && along < 0))
-        return HUGE_VAL;
-    const double across = sqrt(larger(squared3(v) - along * along, 0));
-    return along * cosine + across * sqrt(1 - smaller(cosine * cosine, 1));
-}
-
-static double largest_in_box(const shb_cluster *cluster, const double v[3]) {
+/* No normal has a larger product with v. */
+static double largest_product(const shb_cluster *cluster, const double v[3]) {
+    const double size[3] = {fabs(v[0]), fabs(v[1]), fabs(v[2])};
+    const int first = size[0] >= size[1]   ? (size[0] >= size[2] ? 0 : 2)
+                      : size[1] >= size[2] ? 1
+                                           : 2;
+    const int a = (first + 1) % 3, b = (first + 2) % 3;
+    const int second = size[a] >= size[b] ? a : b, third = 3 - first - second;
+    const int order[3] = {first, second, third};
+    int direction[3] = {0, 0, 0};
     double sum = 0;
-    for (int i = 0; i < 3; i++)
-        sum += larger((double)cluster->normal_lo[i] * v[i], (double)cluster->normal_hi[i] * v[i]);
-    return sum;
+    for (int i = 0; i < 3; i++) {
+        const double next = i < 2 ? size[order[i + 1]] : 0;
+        direction[order[i]] = v[order[i]] < 0 ? -1 : 1;
+        sum += (size[order[i]] - next) *
+               cluster->largest[shb_direction(direction[0], direction[1], direction[2])];
+    }
+    return sum / SHB_NORMAL_UNIT;
 }
 
 /* A bound of them, from x / w and y / w. */
@@ -279,9 +277,8 @@ static bool faces_away(const shb_cluster_view *view, const shb_cluster *cluster,
         v[i] = view->facing * (e[i] - e[3] * box->middle[i]);
         doubt += view->eye_doubt[i] + view->eye_doubt[3] * box->reach[i];
     }
-    const double most = smaller(largest_in_cone(cluster, v), largest_in_box(cluster, v));
-    const double c =
-        -(most + fabs(e[3]) * length3(box->half)) - (doubt + NORMAL_DOUBT * sqrt(squared3(v)));
+    const double c = -(largest_product(cluster, v) + fabs(e[3]) * length3(box->half)) -
+                     (doubt + NORMAL_DOUBT * sqrt(squared3(v)));
     const double h = (double)cluster->height, d = SNAP_DOUBT;
     const double area = view->target->half_width * view->target->half_height;
     const double cube = largest_w * largest_w * largest_w;

@@ -1,4 +1,4 @@
-/* What a view can see of a cluster, from its boxes and its cone alone.
+/* What a view can see of a cluster, from its box and the bounds of its normals alone.
  *
  * Nothing is left out that drawing triangle by triangle would draw, or count as not finite: bounds
  * hold for the rounded numbers that drawing computes. u = 2^-53.
@@ -26,12 +26,13 @@
  *
  *     h half_width half_height c / w^3 > 4.25 D g + 8 D^2 / h                               (1)
  *
- * c: with v = e - e_w P all normals of the cone have n . v <= (a . v) cos + |v x a| sin where a . v
- * < 0, a the axis, cos and sin those of half the opening; and all of the box of normals n . v <=
- * the sum of max(lo_i v_i, hi_i v_i), which is less where normals spread more one way than another.
- * From the centre of the cluster's box to P, v changes by at most |e_w| R, R half the diagonal, and
- * n . v by no more. Normals, their box, axis and cosine are right to 2^-17 |v|, and e and e_w to
- * 2^-50 of the sum of sizes of their products. *
+ * c: with v = e - e_w P and |v_i| >= |v_j| >= |v_k|, v is a sum of three directions, of their
+ * signs:
+ * (|v_i| - |v_j|) (one in i) + (|v_j| - |v_k|) (one in i and j) + |v_k| (one in all), and n . v is
+ * no more than the sum of the largest products of normals with these. From the centre of the
+ * cluster's box to P, v changes by at most |e_w| R, R half the diagonal, and n . v by no more. Sums
+ * are right to 2^-17 |v|, and e and e_w to 2^-50 of the sum of sizes of their products.
+ *
  * Depth. Let the corners' depths, as computed, lie in lo .. hi. Careful samples do, too (plane.h).
  * A plain one is within 5 * 2^-24 |z| of the depth z of the triangle's plane at a place at most
  * 1/512 pixel outside of the triangle on either axis, and the plane's slope is at most 16 (hi - lo)

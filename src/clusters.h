@@ -8,14 +8,23 @@
 /* Vertices of a cluster take a multiple of so many places. */
 #define SHB_CLUSTER_PADDING 8
 
-/* Boxes and a cone in mesh units. What is said of normals holds for all triangles that have two
- * edges. */
+/* The directions whose three numbers are -1, 0 or 1. */
+#define SHB_DIRECTIONS 27
+
+static inline int shb_direction(int x, int y, int z) {
+    return (9 * x + 3 * y + z) + SHB_DIRECTIONS / 2;
+}
+
+/* A product with a unit normal, up to sqrt(3), fits into a byte. */
+#define SHB_NORMAL_UNIT 64
+
+/* A box in mesh units and bounds of the unit normals. What is said of normals holds for all
+ * triangles that have two edges. */
 typedef struct shb_cluster {
     float lo[3], hi[3]; /* of the vertices; lo[0] is NaN if one of them is not finite */
     float height; /* no triangle is less high over its longest edge; 0: normals are not known */
-    float normal_lo[3], normal_hi[3]; /* of the unit normals */
-    float axis[3];                    /* of a cone that holds the normals */
-    float cosine;                     /* of half its opening; 0 or less: there is no cone */
+    int8_t largest[SHB_DIRECTIONS]; /* no normal has a larger product with the direction, in
+                                       SHB_NORMAL_UNITs */
     uint32_t first_triangle;
     uint64_t first_vertex; /* a place */
     uint64_t first_corner; /* the same of corners */

@@ -96,14 +96,60 @@ TEST(clusters_gather_neighbours_of_a_shuffled_mesh) {
         CHECK_NEAR(cluster->hi[0] - cluster->lo[0], 1.0 / 8, 1e-6);
         CHECK_NEAR(cluster->hi[1] - cluster->lo[1], 1.0 / 8, 1e-6);
         CHECK_INT(cluster->vertex_count, 81);
-        CHECK_NEAR(fabsf(cluster->axis[2]), 1, 1e-6);
-        CHECK_NEAR(cluster->cosine, 1, 1e-6);
+        /* Normals are (0, 0, 1) or (0, 0, -1), and bounds are rounded up. */
+        const int up = cluster->largest[shb_direction(0, 0, 1)];
+        CHECK(up == SHB_NORMAL_UNIT + 1 || up == -SHB_NORMAL_UNIT + 1);
+        CHECK_INT(cluster->largest[shb_direction(1, -1, 1)], up);
+        CHECK_INT(cluster->largest[shb_direction(-1, 0, -1)], 2 - up);
+        CHECK_INT(cluster->largest[shb_direction(0, 1, 0)], 1);
         /* The height of the halves of a square of 1 / 64 over the diagonal. */
         CHECK_NEAR(cluster->height, sqrt(0.5) / 64, 1e-6);
     }
     shb_clusters_destroy(clusters);
     shb_context_destroy(context);
     free_grid(&grid);
+}
+
+static double product_with(const shb_mesh *mesh, uint32_t triangle, int x, int y, int z) {
+    uint32_t corners[3];
+    shb_mesh_triangle(mesh, triangle, corners);
+    double p[3][3];
+    for (int k = 0; k < 3; k++)
+        for (int axis = 0; axis < 3; axis++)
+            p[k][axis] = (double)shb_mesh_position(mesh, corners[k])[axis];
+    const double b[3] = {p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2]};
+    const double c[3] = {p[2][0] - p[0][0], p[2][1] - p[0][1], p[2][2] - p[0][2]};
+    const double n[3] = {b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2],
+                         b[0] * c[1] - b[1] * c[0]};
+    return (n[0] * x + n[1] * y + n[2] * z) / sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
+
+/* In each direction the bound is the largest product, rounded up. */
+TEST(clusters_bound_their_normals_in_every_direction) {
+    shb_context *context = make_context();
+    soup s = {0};
+    soup_add_ball(&s, (const float[3]){0.5f, -1, 2}, 40, 20, NULL);
+    const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, mesh, &clusters), SHB_OK);
+    bool right = true;
+    for (size_t i = 0; i < clusters->count; i++) {
+        const shb_cluster *cluster = &clusters->clusters[i];
+        const uint32_t *triangles = clusters->triangles + cluster->first_triangle;
+        for (int d = 0; d < SHB_DIRECTIONS; d++) {
+            const int x = d / 9 - 1, y = d / 3 % 3 - 1, z = d % 3 - 1;
+            double largest = -2;
+            for (uint32_t t = 0; t < cluster->triangle_count; t++)
+                largest = fmax(largest, product_with(mesh, triangles[t], x, y, z));
+            const double bound = cluster->largest[shb_direction(x, y, z)];
+            right &= !(cluster->height > 0) || (bound >= SHB_NORMAL_UNIT * largest &&
+                                                bound < SHB_NORMAL_UNIT * largest + 1.01);
+        }
+    }
+    CHECK(right);
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
+    soup_free(&s);
 }
 
 TEST(clusters_of_loose_triangles_have_vertices_that_a_byte_can_count) {

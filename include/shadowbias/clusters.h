@@ -1,7 +1,7 @@
 /* Clusters: a mesh prepared once so that parts of it need not be looked at when it is drawn.
  *
- * Up to 128 neighbouring triangles with their own copies of their vertices, a box, and a box and
- * a cone around their normals. Drawing leaves out whole clusters that the view cannot see, that
+ * Up to 128 neighbouring triangles with their own copies of their vertices, a box, and bounds of
+ * their normals in 26 directions. Drawing leaves out whole clusters that the view cannot see, that
  * face the wrong way or that lie behind what is drawn already, nearest ones first where there are
  * many layers (those behind are still counted where statistics are asked for), and transforms the
  * vertices of the rest where they stay in a first-level cache. Where all triangles are seen and
