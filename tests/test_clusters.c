@@ -1,9 +1,11 @@
 #include "../src/cluster_cull.h"
+#include "../src/scene.h"
 
 #include "allocator.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "soup.h"
+#include "target.h"
 #include "test.h"
 
 #include <math.h>
@@ -105,6 +107,52 @@ TEST(clusters_gather_neighbours_of_a_shuffled_mesh) {
         /* The height of the halves of a square of 1 / 64 over the diagonal. */
         CHECK_NEAR(cluster->height, sqrt(0.5) / 64, 1e-6);
     }
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
+    free_grid(&grid);
+}
+
+#define LARGE_WIDTH 4176
+#define LARGE_HEIGHT 1024
+
+/* Depths of a scene in a target of more than 2048 x 2048 texels. */
+static float *draw_large(const shb_mesh *mesh, shb_isa isa) {
+    shb_context *context = NULL;
+    float *depth = calloc((size_t)LARGE_WIDTH * LARGE_HEIGHT, sizeof *depth);
+    const shb_view view = test_pixel_view(LARGE_WIDTH, LARGE_HEIGHT);
+    const shb_instance instance = {.mesh = mesh};
+    const shb_scene scene = {.instances = &instance, .instance_count = 1};
+    const shb_draw_desc desc = {.scene = &scene,
+                                .view = &view,
+                                .width = LARGE_WIDTH,
+                                .height = LARGE_HEIGHT,
+                                .depth = {.texels = depth}};
+    CHECK_INT(shb_context_create(&(shb_context_desc){.max_isa = isa, .threads = 1}, &context),
+              SHB_OK);
+    CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+    shb_context_destroy(context);
+    return depth;
+}
+
+/* So many triangles that the target is drawn as a whole; a part of it stays clear. */
+TEST(clusters_of_a_dense_mesh_give_the_scalar_depths_in_a_large_target) {
+    test_random random = {33};
+    shuffled_grid grid = make_grid(330, 330, NULL);
+    for (uint32_t i = 0; i < grid.mesh.vertex_count; i++) {
+        grid.positions[3 * i] *= LARGE_WIDTH - 75.5f;
+        grid.positions[3 * i + 1] *= LARGE_HEIGHT - 30.25f;
+        grid.positions[3 * i + 2] = 0.25f + (float)random_below(&random, 512) / 1024;
+    }
+    shb_context *context = make_context();
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
+    float *expected = draw_large(&grid.mesh, SHB_ISA_SCALAR);
+    shb_mesh mesh = grid.mesh;
+    mesh.clusters = clusters;
+    float *found = draw_large(&mesh, SHB_ISA_BEST);
+    CHECK(memcmp(found, expected, (size_t)LARGE_WIDTH * LARGE_HEIGHT * sizeof *found) == 0);
+    free(expected);
+    free(found);
     shb_clusters_destroy(clusters);
     shb_context_destroy(context);
     free_grid(&grid);

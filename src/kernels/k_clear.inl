@@ -1,7 +1,16 @@
 /* Clearing where triangles are about to be drawn: memory is written while it is in a cache. */
 
-/* Cells of a row that are cleared together: long runs of memory are written faster. */
+/* Cells of a row that are cleared together: long runs of memory are written faster, but in a tile
+ * that is larger than caches, which only many small triangles have, they have left these before
+ * something is drawn in them. */
 #define CLEAR_CELLS 64
+#define CLEAR_CELLS_LARGE 4
+#define LARGE_TEXELS (2048 * 2048)
+
+static int32_t clear_run(const shb_tile *tile) {
+    const bool large = (tile->x1 - tile->x0) * (tile->y1 - tile->y0) > LARGE_TEXELS;
+    return large ? CLEAR_CELLS_LARGE : CLEAR_CELLS;
+}
 
 static void fill_far(int32_t columns, int32_t rows, ptrdiff_t stride, float far_depth,
                      float *texels) {
@@ -56,15 +65,15 @@ static void clear_reached(const shb_tile *tile, const sample_rectangle *reached)
     const int32_t first_row = (reached->top - tile->y0) / SHB_CELL;
     const int32_t last_row = (reached->bottom - 1 - tile->y0) / SHB_CELL;
     const int32_t left = (reached->left - tile->x0) / SHB_CELL;
-    const int32_t first = left - left % CLEAR_CELLS;
+    const int32_t run = clear_run(tile), first = left - left % run;
     const int32_t last = (reached->right - 1 - tile->x0) / SHB_CELL;
     const int32_t stride = (int32_t)tile->cell_stride;
     for (int32_t row = first_row; row <= last_row; row++) {
         const float *cells = tile->cells + row * tile->cell_stride;
-        for (int32_t column = first; column <= last; column += CLEAR_CELLS) {
+        for (int32_t column = first; column <= last; column += run) {
             const int32_t start = column;
             while (column <= last && cells[column] == SHB_NOT_CLEARED)
-                column += CLEAR_CELLS;
+                column += run;
             if (column > start)
                 clear_cells(tile, start, row, MIN(column, stride) - start);
         }
