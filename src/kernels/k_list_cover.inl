@@ -478,7 +478,7 @@ static void find_farthest(shb_list_cover *cover) {
 }
 
 /* LIST_AHEAD: triangles that are fetched before they are used; LIST_SPELL: triangles after which
- * blocks are looked at anew. */
+ * blocks are looked at anew, and the rest is left if all of them hide it. */
 enum { LIST_AHEAD = 12, LIST_SPELL = 64 };
 
 static inline void fetch_covered(const shb_list_cover *cover, uint32_t number) {
@@ -553,6 +553,8 @@ static void sort_entries(shb_list_cover *cover) {
 
 static inline __attribute__((always_inline)) bool cover_by(shb_list_cover *cover,
                                                            bool with_sheets) {
+    const uint32_t last = (uint32_t)(SHB_LIST_TILE >> cover->cell_bits) - 1;
+    const list_cells tile = {0, last, 0, last};
     list_batch batch;
     bool hides = false;
     batch.count = 0;
@@ -560,14 +562,18 @@ static inline __attribute__((always_inline)) bool cover_by(shb_list_cover *cover
     for (size_t k = 0; k < cover->count; k++) {
         if (k + LIST_AHEAD < cover->count)
             fetch_covered(cover, (uint32_t)cover->keys[k + LIST_AHEAD]);
-        if (k % LIST_SPELL == LIST_SPELL - 1 && cover->is_nearer) {
-            find_farthest(cover);
-            cover->is_nearer = false;
-            hides = true;
-        }
         const uint32_t number = (uint32_t)cover->keys[k];
         const float nearest =
             (float)shb_list_level_depth(cover->frame, (double)(cover->keys[k] >> 32));
+        if (k % LIST_SPELL == LIST_SPELL - 1) {
+            if (cover->is_nearer) {
+                find_farthest(cover);
+                cover->is_nearer = false;
+                hides = true;
+            }
+            if (hides && is_hidden(cover, &tile, nearest))
+                break;
+        }
         const list_cells cells = cells_of_box(cover, &cover->boxes[number]);
         if (hides && is_hidden(cover, &cells, nearest))
             continue;
