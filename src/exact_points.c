@@ -51,26 +51,51 @@ static double place(const placed_triangle *t, int k, double weight_1, double wei
     return t->corner[k] + (t->way_1[k] * weight_1 + t->way_2[k] * weight_2);
 }
 
-/* False: a point is far from where it should be. Neighbours often share their triangle. */
+/* Neighbours often share their triangle: the first point of each run, and the end. */
+static size_t find_runs(const uint32_t *ids, size_t count, uint16_t starts[SHB_BATCH + 1]) {
+    size_t runs = 0;
+    for (size_t i = 0; i < count; i++) {
+        starts[runs] = (uint16_t)i;
+        runs += i == 0 || ids[i] != ids[i - 1];
+    }
+    starts[runs] = (uint16_t)count;
+    return runs;
+}
+
+/* Corners and vertices come from all over the memory: they are asked for before any is read. False:
+ * there is no such triangle. */
+static bool fetch_triangles(const drawn_mesh *mesh, const uint32_t *ids, size_t runs,
+                            const uint16_t *starts) {
+    for (size_t n = 0; n < runs; n++) {
+        if (ids[starts[n]] >= mesh->triangle_count)
+            return false;
+        __builtin_prefetch(mesh->corners[ids[starts[n]]]);
+    }
+    for (size_t n = 0; n < runs; n++)
+        for (int k = 0; k < 3; k++)
+            __builtin_prefetch(mesh->vertices[mesh->corners[ids[starts[n]]][k]]);
+    return true;
+}
+
+/* False: a point is far from where it should be. */
 static bool place_all(const shb_filter_args *args, shb_exact_points *points) {
     const drawn_mesh mesh = mesh_of(args->map);
     const shb_receivers *r = args->receivers;
     const shb_own_triangles *own = args->own;
-    placed_triangle t = {0};
-    bool agrees = true;
-    for (size_t i = 0; i < args->count; i++) {
-        const uint32_t id = own->ids[i];
-        if (id >= mesh.triangle_count)
-            return false;
-        if (i == 0 || id != own->ids[i - 1])
-            t = triangle_of(&mesh, id);
-        const double weight_1 = (double)own->weight_1[i], weight_2 = (double)own->weight_2[i];
-        points->x[i] = place(&t, 0, weight_1, weight_2);
-        points->y[i] = place(&t, 1, weight_1, weight_2);
-        points->z[i] = place(&t, 2, weight_1, weight_2);
-        agrees &= (fabs(points->x[i] - (double)r->x[i]) <= t.slack[0]) &
-                  (fabs(points->y[i] - (double)r->y[i]) <= t.slack[1]) &
-                  (fabs(points->z[i] - (double)r->z[i]) <= t.slack[2]);
+    uint16_t starts[SHB_BATCH + 1];
+    const size_t runs = find_runs(own->ids, args->count, starts);
+    bool agrees = fetch_triangles(&mesh, own->ids, runs, starts);
+    for (size_t n = 0; n < runs && agrees; n++) {
+        const placed_triangle t = triangle_of(&mesh, own->ids[starts[n]]);
+        for (size_t i = starts[n]; i < starts[n + 1]; i++) {
+            const double weight_1 = (double)own->weight_1[i], weight_2 = (double)own->weight_2[i];
+            points->x[i] = place(&t, 0, weight_1, weight_2);
+            points->y[i] = place(&t, 1, weight_1, weight_2);
+            points->z[i] = place(&t, 2, weight_1, weight_2);
+            agrees &= (fabs(points->x[i] - (double)r->x[i]) <= t.slack[0]) &
+                      (fabs(points->y[i] - (double)r->y[i]) <= t.slack[1]) &
+                      (fabs(points->z[i] - (double)r->z[i]) <= t.slack[2]);
+        }
     }
     return agrees;
 }
