@@ -116,15 +116,26 @@ static inline ALWAYS_INLINE vf widen_halves(vu halves) {
     return (vf)(size | (halves & 0x8000) << 16 | infinite);
 }
 
-/* The slopes that WIDE texels hold. */
+/* Bits of WIDE fragments whose own planes their texels' depths lie in front of. */
+static inline ALWAYS_INLINE uint32_t in_front_at(const plane_batch *batch, size_t i) {
+    uint32_t in_front = 0;
+    for (size_t k = 0; k < WIDE; k += DOUBLES)
+        in_front |=
+            wd_greater_bits(wd_load(batch->limit + i + k), wd_load_floats(batch->depth + i + k))
+            << k;
+    return in_front;
+}
+
+/* The slopes that WIDE texels hold, where they are asked for. */
 static inline ALWAYS_INLINE void read_slopes(const shb_map *map, bool gathers, plane_batch *batch,
-                                             size_t i) {
+                                             size_t i, uint32_t asked) {
     const char *texels = (const char *)map->occluders.texels;
     const size_t stride = map->occluders.stride;
     const vf far_depth = vf_splat(shb_far_depth(map->info.view.reversed));
     const vf depth = vf_load(batch->depth + i);
     const vi holds = (vi)(depth < far_depth);
-    const vi column = vi_load(batch->column + i) & holds, row = vi_load(batch->row + i) & holds;
+    const vi read = holds & ((vi_splat((int32_t)asked) >> vi_numbers() & 1) != 0);
+    const vi column = vi_load(batch->column + i) & read, row = vi_load(batch->row + i) & read;
     vu slopes;
     if (gathers)
         slopes = (vu)vf_gather((const float *)(const void *)texels,
@@ -193,15 +204,12 @@ static inline ALWAYS_INLINE void ask_planes_as(const shb_map *map, bool affine, 
     place_fragments(map, lanes, receivers, &batch);
     fetch_whole(map, lanes, batch.column, batch.row, batch.depth);
     for (size_t i = 0; i < lanes; i += WIDE) {
-        uint32_t in_front = 0;
-        for (size_t k = i; k < i + WIDE; k += DOUBLES)
-            in_front |= wd_greater_bits(wd_load(batch.limit + k), wd_load_floats(batch.depth + k));
         near[near_count] = (uint16_t)i;
-        near_count += in_front != 0;
+        near_count += in_front_at(&batch, i) != 0;
         vf_store(visibility + i, vf_splat(1.0f));
     }
     for (size_t n = 0; n < near_count; n++)
-        read_slopes(map, gathers, &batch, near[n]);
+        read_slopes(map, gathers, &batch, near[n], in_front_at(&batch, near[n]));
     for (size_t n = 0; n < near_count; n++)
         for (size_t i = near[n]; i < near[n] + (size_t)WIDE; i += DOUBLES) {
             const uint32_t in_front =
