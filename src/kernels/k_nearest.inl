@@ -233,6 +233,11 @@ static inline ALWAYS_INLINE void find_joined(const shb_walk_group *g, const uint
     }
 }
 
+/* Bits of a vector of a group's points, from i on. */
+static inline ALWAYS_INLINE uint64_t bits_at(uint32_t bits, size_t i) {
+    return (uint64_t)bits << i % SHB_LIST_GROUP;
+}
+
 /* Bits of the points whose triangles are among the joined ones. */
 static inline ALWAYS_INLINE uint64_t joined_bits(const shb_walk_group *g,
                                                  const joined_lanes *joined,
@@ -243,7 +248,7 @@ static inline ALWAYS_INLINE uint64_t joined_bits(const shb_walk_group *g,
         vi is_among = {0};
         for (int k = 0; k < 4; k++)
             is_among |= triangle == vu_load(joined->ids[k] + i);
-        bits |= (uint64_t)vi_bits(is_among) << i;
+        bits |= bits_at(vi_bits(is_among), i);
     }
     return bits;
 }
@@ -281,8 +286,8 @@ static inline ALWAYS_INLINE triangle_bits find_whole(const shb_walk_group *g, co
     for (size_t i = 0; i < shb_round_to_lanes(g->count); i += WIDE) {
         const vu id = vu_load(ids + i), marks = vu_load(lanes->marks + i);
         const vi whole = ((marks & seen) == seen) & (id != SHB_ID_NONE);
-        bits.whole |= (uint64_t)vi_bits(whole) << i;
-        bits.own |= (uint64_t)vi_bits(id == vu_load(g->own_ids + i)) << i;
+        bits.whole |= bits_at(vi_bits(whole), i);
+        bits.own |= bits_at(vi_bits(id == vu_load(g->own_ids + i)), i);
     }
     return bits;
 }
@@ -301,10 +306,10 @@ static inline ALWAYS_INLINE void compare_depths(const shb_map *map, bool affine,
             wd_load(lanes->slope_y + i) * wd_load(g->at.y + i);
         const wd depth = wd_load(g->at.depth + i) - plane;
         const wd error = plane_error(&rows, affine, g, lanes, i);
-        covered |= (uint64_t)covered_bits(&places) << i;
-        known |= (uint64_t)wd_greater_bits(wd_splat((double)INFINITY), error) << i;
-        in_front |= (uint64_t)wd_greater_bits(depth, error) << i;
-        behind |= (uint64_t)wd_greater_bits(-error, depth) << i;
+        covered |= bits_at(covered_bits(&places), i);
+        known |= bits_at(wd_greater_bits(wd_splat((double)INFINITY), error), i);
+        in_front |= bits_at(wd_greater_bits(depth, error), i);
+        behind |= bits_at(wd_greater_bits(-error, depth), i);
     }
     covered &= are.whole;
     known &= ~are.own;
@@ -344,7 +349,7 @@ static inline ALWAYS_INLINE uint64_t repeated_bits(const shb_walk_group *g, int 
         vi is_there = {0};
         for (int before = 0; before < k; before++)
             is_there |= triangle == vu_load(g->samples[before] + i);
-        bits |= (uint64_t)vi_bits(is_there) << i;
+        bits |= bits_at(vi_bits(is_there), i);
     }
     return bits;
 }

@@ -170,16 +170,19 @@ static bool keep_pairs(const shb_chunk *chunk, const shb_tile *tile,
     return !vi_any((vi)((vu)larger | (vu)larger << 16));
 }
 
+/* All but the triangle's number. */
+static void copy_kept(kept_pairs *kept, int from, int to) {
+    kept->box[to] = kept->box[from];
+    for (int k = 0; k < 3; k++)
+        kept->edge[k][to] = kept->edge[k][from];
+    for (int k = 0; k < 2; k++)
+        kept->step[k][to] = kept->step[k][from];
+}
+
 /* Moves what was kept apart to the front. */
 static void close_up(kept_pairs *kept) {
-    for (int i = 0; i < kept->count; i++) {
-        const int32_t from = kept->triangle[i];
-        kept->box[i] = kept->box[from];
-        for (int k = 0; k < 3; k++)
-            kept->edge[k][i] = kept->edge[k][from];
-        for (int k = 0; k < 2; k++)
-            kept->step[k][i] = kept->step[k][from];
-    }
+    for (int i = 0; i < kept->count; i++)
+        copy_kept(kept, kept->triangle[i], i);
 }
 
 /* The kept triangles' boxes and edges, for all lanes. */
@@ -190,7 +193,7 @@ static void expand_pairs(const shb_seen_cluster *cluster, kept_pairs *restrict k
         close_up(kept);
     for (int i = count; i < lanes; i++) {
         kept->triangle[i] = kept->triangle[count - 1];
-        kept->box[i] = kept->box[count - 1];
+        copy_kept(kept, count - 1, i);
     }
     for (int i = 0; i < lanes; i++) {
         const uint32_t box = (uint32_t)kept->box[i];
