@@ -9,10 +9,10 @@ typedef struct W(box_taps) {
 } W(box_taps);
 
 static inline ALWAYS_INLINE W(box_taps)
-    W(box_taps_of)(const box_batch *batch, size_t i, bool reversed) {
+    W(box_taps_of)(const box_batch *batch, size_t i, tap_kind kind, bool reversed) {
     return (W(box_taps)){
         .ref = W(wf_splat)(batch->ref[i]),
-        .step_x = W(wf_splat)(batch->step_x[i]),
+        .step_x = W(wf_splat)(kind == TAPS_FLAT ? 0 : batch->step_x[i]),
         .step_y = W(wf_splat)(batch->step_y[i]),
         .far_depth = W(wf_splat)(shb_far_depth(reversed)),
     };
@@ -50,7 +50,7 @@ static inline ALWAYS_INLINE W(wi)
 
 static inline ALWAYS_INLINE W(wi) W(count_box)(const box_batch *batch, size_t i, const texel_box *b,
                                                int n, tap_kind kind, bool reversed) {
-    const W(box_taps) taps = W(box_taps_of)(batch, i, reversed);
+    const W(box_taps) taps = W(box_taps_of)(batch, i, kind, reversed);
     W(wi) count = W(count_rows)(b, &taps, n, 0, 0, n, kind, reversed);
     for (int start = LANES; start < n; start += LANES)
         count = W(wi_add)(count, W(count_rows)(b, &taps, n, start, 0, n, kind, reversed));
@@ -75,7 +75,7 @@ static inline ALWAYS_INLINE double W(weigh_rows)(const texel_box *b, const W(box
 static inline ALWAYS_INLINE double W(weigh_box)(const box_batch *batch, size_t i,
                                                 const texel_box *b, int n, tap_kind kind,
                                                 bool reversed) {
-    const W(box_taps) taps = W(box_taps_of)(batch, i, reversed);
+    const W(box_taps) taps = W(box_taps_of)(batch, i, kind, reversed);
     const double right = last_weight(batch->receivers->to_center_x[i], n);
     const double bottom = last_weight(batch->receivers->to_center_y[i], n);
     const double above = W(weigh_rows)(b, &taps, n, 0, 1, right, kind, reversed);
