@@ -109,7 +109,8 @@ static inline ALWAYS_INLINE void place_taps(const pcss_disk *disk, const pcss_la
 /* The same for taps that all lie inside a map whose texels can be gathered. */
 static inline ALWAYS_INLINE pcss_blocked ask_disk_inside(const shb_pcss *pcss, const shb_map *map,
                                                          const pcss_lanes *own, vf radius_x,
-                                                         vf radius_y, int count, bool sums) {
+                                                         vf radius_y, int count, bool sums,
+                                                         bool exact) {
     const pcss_disk disk = disk_of(pcss, own, radius_x, radius_y);
     const float sign = map->info.view.reversed ? -1.0f : 1.0f;
     uint32_t indices[PLACED][WIDE];
@@ -122,7 +123,7 @@ static inline ALWAYS_INLINE pcss_blocked ask_disk_inside(const shb_pcss *pcss, c
         for (int k = 0; k < some; k++) {
             const vf stored = sign * vf_read(map->depth.texels, indices[k]);
             vi blocked = stored < planes[k];
-            if (own->mutual && vi_any(blocked))
+            if (exact && vi_any(blocked))
                 blocked = shadowed_taps(own->mutual, own->first, blocked,
                                         column_bits(&disk, first + k) - ROUNDING,
                                         row_bits(&disk, first + k) - ROUNDING, stored);
@@ -153,7 +154,9 @@ static inline ALWAYS_INLINE pcss_blocked ask_disk_of(const shb_pcss *pcss, const
                                                      const pcss_lanes *own, vf radius_x,
                                                      vf radius_y, int count, bool sums) {
     if (can_gather(map) && all_inside(map, own, radius_x, radius_y))
-        return ask_disk_inside(pcss, map, own, radius_x, radius_y, count, sums);
+        return own->mutual
+                   ? ask_disk_inside(pcss, map, own, radius_x, radius_y, count, sums, true)
+                   : ask_disk_inside(pcss, map, own, radius_x, radius_y, count, sums, false);
     return ask_disk(pcss, map, own, radius_x, radius_y, count, sums);
 }
 
