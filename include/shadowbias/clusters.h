@@ -4,8 +4,8 @@
  * their normals in 26 directions. Drawing leaves out whole clusters that the view cannot see, that
  * face the wrong way or that lie behind what is drawn already, nearest ones first where there are
  * many layers (those behind are still counted where statistics are asked for), and transforms the
- * vertices of the rest where they stay in a first-level cache. Where all triangles are seen and
- * none faces away, as in a height field under the sun, that is no gain. */
+ * vertices of the rest where they stay in a first-level cache. Triangles that cover no sample are
+ * dropped by whole vectors before anything else is known of them. */
 #ifndef SHADOWBIAS_CLUSTERS_H
 #define SHADOWBIAS_CLUSTERS_H
 
