@@ -171,9 +171,9 @@ static void start_run(inquiry *q, size_t point) {
     const shb_list_cell *cell = q->cells[point];
     shb_list_run *r = &q->runs[q->run_count++];
     *r = (shb_list_run){.entry = q->entries[point] + cell[0].start,
-               .end = q->entries[point] + cell[1].start,
-               .depth = -HUGE_VALF,
-               .first = (uint8_t)(point < GROUP - RUN ? point : GROUP - RUN)};
+                        .end = q->entries[point] + cell[1].start,
+                        .depth = -HUGE_VALF,
+                        .first = (uint8_t)(point < GROUP - RUN ? point : GROUP - RUN)};
     __builtin_prefetch(r->entry);
     __builtin_prefetch(r->entry + SHB_LIST_STEP - 1);
 }
