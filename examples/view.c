@@ -42,24 +42,38 @@ static void print_error(const char *name, const char *value, const char *problem
     fprintf(stderr, "view: %s: \"%s\" %s\n", name, value, problem);
 }
 
-static void print_methods(void) {
+/* As the options take it. */
+static void print_method(const char *name, const char *const params[SHB_PARAMS_MAX],
+                         const float values[SHB_PARAMS_MAX], const char *summary) {
+    char text[128];
+    int length = snprintf(text, sizeof text, "%s", name);
+    for (int k = 0; k < SHB_PARAMS_MAX && params[k]; k++)
+        length += snprintf(text + length, sizeof text - (size_t)length, "%c%s=%g", k ? ',' : ':',
+                           params[k], (double)values[k]);
+    printf("  %-48s %s\n", text, summary);
+}
+
+static void print_biases(void) {
     size_t count;
     const shb_bias_method *methods = shb_bias_methods(&count);
     printf("bias methods, with their parameters' defaults:\n");
-    for (size_t i = 0; i < count; i++) {
-        const shb_bias bias = methods[i].make();
-        char text[128];
-        int length = snprintf(text, sizeof text, "%s", methods[i].name);
-        for (int k = 0; k < SHB_PARAMS_MAX && methods[i].param_names[k]; k++)
-            length += snprintf(text + length, sizeof text - (size_t)length, "%c%s=%g",
-                               k ? ',' : ':', methods[i].param_names[k], (double)bias.params[k]);
-        printf("  %-48s %s\n", text, methods[i].summary);
-    }
+    for (size_t i = 0; i < count; i++)
+        print_method(methods[i].name, methods[i].param_names, methods[i].make().params,
+                     methods[i].summary);
+}
+
+static void print_filters(void) {
+    size_t count;
+    const shb_filter_method *methods = shb_filter_methods(&count);
+    printf("filters, with their parameters' defaults:\n");
+    for (size_t i = 0; i < count; i++)
+        print_method(methods[i].name, methods[i].param_names, methods[i].make().params,
+                     methods[i].summary);
 }
 
 static void print_lists(void) {
-    print_methods();
-    printf("filters:\n  %-48s %s\n", "hard", "one texel, shadowed or lit");
+    print_biases();
+    print_filters();
     size_t count;
     const scene_entry *entries = scene_entries(&count);
     printf("scenes, with their parameters' defaults:\n");
@@ -96,7 +110,7 @@ static bool read_setup(const view_options *options, view_setup *setup) {
         return false;
     }
     if (shb_filter_parse(options->filter, &setup->filter)) {
-        print_error("--filter", options->filter, "is not a filter, see --list");
+        print_error("--filter", options->filter, "is not a filter with its parameters, see --list");
         return false;
     }
     if (!tool_parse_isa(options->isa, &setup->isa)) {
@@ -180,7 +194,8 @@ static void print_stats(const view_options *options, const view_work *work,
 static bool draw_and_measure(const view_options *options, const view_setup *setup, view_work *work,
                              measure_result *measured) {
     if (!options->stats && !options->errors)
-        return succeeds("map", shb_map_draw(work->map, &work->scene->scene, &setup->bias, NULL));
+        return succeeds("map", shb_map_draw(work->map, &work->scene->scene, &setup->bias, NULL)) &&
+               succeeds("filter", shb_map_prepare(work->map, &setup->filter));
     progress_step(&work->progress, "casting rays for the truth");
     return succeeds("truth", measure_truth_create(&work->frame, work->map, &work->truth)) &&
            succeeds("measuring", measure_method(&work->frame, &work->truth, work->map, &setup->bias,
@@ -225,7 +240,7 @@ static bool read_options(int argc, char **argv, view_options *options, int *exit
          0},
         {"--bias", "NAME[:PARAM=X,..]", "bias method (adaptive)", ARGUMENT_TEXT, &options->bias, 0,
          0},
-        {"--filter", "NAME", "filter (hard)", ARGUMENT_TEXT, &options->filter, 0, 0},
+        {"--filter", "NAME[:PARAM=X,..]", "filter (hard)", ARGUMENT_TEXT, &options->filter, 0, 0},
         {"--map-size", "N", "texels on a side (1024)", ARGUMENT_COUNT, &options->map_size, 8,
          SHB_SIZE_MAX},
         {"--format", "NAME", "float32, unorm24 or unorm16 (float32)", ARGUMENT_TEXT,

@@ -139,33 +139,63 @@ TEST(measure_frame_holds_the_fragments_of_covered_pixels) {
     scene_close(scene);
 }
 
-/* Without bias half of the lit ground is in false shadow; with the plane none of it is. */
-TEST(measure_method_tells_acne_from_none) {
-    example_scene *scene = NULL;
-    shb_context *context = NULL;
-    shb_map *map = NULL;
-    shb_map_desc desc = {.width = 256};
+/* A small picture of the scene box, a map of its sun, and the truth of both. */
+typedef struct box_picture {
+    example_scene *scene;
+    shb_context *context;
+    shb_map *map;
     measure_frame frame;
     measure_truth truth;
-    CHECK(scene_open("box", &scene, error, sizeof error));
-    CHECK(!shb_context_create(NULL, &context));
-    CHECK(!scene_light_view(scene, SCENE_DIRECTIONAL, 256, false, &desc.view));
-    CHECK(!shb_map_create(context, &desc, &map));
-    CHECK(!measure_frame_create(context, scene, 160, 100, &frame));
-    CHECK(!measure_truth_create(&frame, map, &truth));
+} box_picture;
+
+static void open_box(box_picture *box) {
+    *box = (box_picture){0};
+    shb_map_desc desc = {.width = 256};
+    CHECK(scene_open("box", &box->scene, error, sizeof error));
+    CHECK(!shb_context_create(NULL, &box->context));
+    CHECK(!scene_light_view(box->scene, SCENE_DIRECTIONAL, 256, false, &desc.view));
+    CHECK(!shb_map_create(box->context, &desc, &box->map));
+    CHECK(!measure_frame_create(box->context, box->scene, 160, 100, &box->frame));
+    CHECK(!measure_truth_create(&box->frame, box->map, &box->truth));
+}
+
+static void close_box(box_picture *box) {
+    measure_truth_destroy(&box->truth);
+    measure_frame_destroy(&box->frame);
+    shb_map_destroy(box->map);
+    shb_context_destroy(box->context);
+    scene_close(box->scene);
+}
+
+/* Without bias half of the lit ground is in false shadow; with the plane none of it is. */
+TEST(measure_method_tells_acne_from_none) {
+    box_picture box;
+    open_box(&box);
     const shb_bias none = shb_bias_none(), plane = shb_bias_receiver_plane(1e-4f);
     measure_result without, with;
-    const scene_contact *contact = &scene->lights[SCENE_DIRECTIONAL].contact;
-    CHECK(!measure_method(&frame, &truth, map, &none, NULL, contact, 3, &without));
-    CHECK(!measure_method(&frame, &truth, map, &plane, NULL, contact, 3, &with));
+    const scene_contact *contact = &box.scene->lights[SCENE_DIRECTIONAL].contact;
+    CHECK(!measure_method(&box.frame, &box.truth, box.map, &none, NULL, contact, 3, &without));
+    CHECK(!measure_method(&box.frame, &box.truth, box.map, &plane, NULL, contact, 3, &with));
     CHECK(without.errors.false_shadow_ppm > 300000 && without.errors.false_shadow_ppm < 700000);
     CHECK(with.errors.false_shadow_ppm < 20000);
     CHECK(with.errors.lit > with.errors.shadowed && with.errors.shadowed > 1000);
     CHECK(with.detachment.probed == 1000);
     CHECK(with.ns_per_fragment > 0 && with.map_seconds > 0);
-    measure_truth_destroy(&truth);
-    measure_frame_destroy(&frame);
-    shb_map_destroy(map);
-    shb_context_destroy(context);
-    scene_close(scene);
+    close_box(&box);
+}
+
+TEST(measure_method_prepares_every_filter) {
+    size_t count;
+    const shb_filter_method *filters = shb_filter_methods(&count);
+    const shb_bias plane = shb_bias_receiver_plane(1e-4f);
+    box_picture box;
+    open_box(&box);
+    for (size_t i = 0; i < count; i++) {
+        const shb_filter filter = filters[i].make();
+        measure_result measured;
+        test_check(
+            !measure_method(&box.frame, &box.truth, box.map, &plane, &filter, NULL, 1, &measured),
+            __FILE__, __LINE__, "%s cannot be measured", filter.name);
+    }
+    close_box(&box);
 }

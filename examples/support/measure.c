@@ -194,6 +194,8 @@ shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_
                           const scene_contact *contact, uint32_t runs, measure_result *result) {
     measure_result measured = {0};
     shb_result code = time_map(map, &frame->scene->scene, bias, runs, &measured.map_seconds);
+    if (!code && filter)
+        code = shb_map_prepare(map, filter);
     if (!code)
         code = time_visibility(frame, map, bias, filter, runs, &measured.visibility_seconds);
     if (!code)

@@ -58,7 +58,8 @@ shb_result measure_detachment(const shb_reference *reference, const shb_map *map
                               const shb_bias *bias, const shb_filter *filter,
                               const scene_contact *contact, shb_detachment *detachment);
 
-/* Draws the map for a method and asks it about every fragment, runs times each, at most 64. */
+/* Draws the map for a method, prepares the filter (NULL: hard) and asks it about every fragment;
+ * draws and asks runs times each, at most 64. */
 shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_map *map,
                           const shb_bias *bias, const shb_filter *filter,
                           const scene_contact *contact, uint32_t runs, measure_result *result);
