@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "area_light.h"
+#include "triples.h"
 #include "vector.h"
 #include "visibility.h"
 
@@ -56,8 +57,7 @@ static shb_mat4 move_view(const shb_mat4 *view, const shb_light_source *from,
 }
 
 static shb_vec3 point_at(const shb_points *points, size_t index) {
-    const size_t stride = points->position_stride ? points->position_stride : 12;
-    const float *p = (const float *)((const char *)points->positions + index * stride);
+    const float *p = shb_triple_at(points->positions, points->position_stride, index);
     return (shb_vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
@@ -110,9 +110,9 @@ static void ask_points(void *arg, size_t index) {
     const size_t begin = index * POINTS, left = q->points->count - begin;
     shb_points part = *q->points;
     part.count = left < POINTS ? left : POINTS;
-    part.positions += begin * (part.position_stride ? part.position_stride / 4 : 3);
+    part.positions = shb_triple_at(part.positions, part.position_stride, begin);
     if (part.normals)
-        part.normals += begin * (part.normal_stride ? part.normal_stride / 4 : 3);
+        part.normals = shb_triple_at(part.normals, part.normal_stride, begin);
     part.own = (shb_own_triangles){0};
     shb_map_visibility(q->map, &part, q->desc->bias, q->desc->filter, q->seen + begin);
     for (size_t i = begin; i < begin + part.count; i++)

@@ -8,10 +8,6 @@
 
 #include <math.h>
 
-static size_t stride_or_packed(size_t stride) {
-    return stride ? stride : 3 * sizeof(float);
-}
-
 static bool is_all_zero(const shb_mat4 *a) {
     for (int i = 0; i < 16; i++)
         if (a->m[i] != 0)
@@ -39,11 +35,6 @@ static bool is_aligned(const void *pointer, size_t alignment) {
     return (uintptr_t)pointer % alignment == 0;
 }
 
-/* True if the last of count vertices would end beyond what a pointer reaches. */
-static bool overflows(size_t stride, uint32_t count) {
-    return stride_or_packed(stride) > (PTRDIFF_MAX - 3 * sizeof(float)) / count;
-}
-
 static shb_result check_indices(const shb_mesh *mesh, const char **reason) {
     const uint32_t size = mesh->index_size ? mesh->index_size : 4;
     if (size != 2 && size != 4)
@@ -69,8 +60,8 @@ shb_result shb_mesh_check(const shb_mesh *mesh, const char **reason) {
         return fail(reason, SHB_ERROR_ARGUMENT, "a stride of a mesh is not a multiple of 4");
     if (mesh->vertex_count == 0)
         return fail(reason, SHB_ERROR_SIZE, "mesh.vertex_count is 0 but there are triangles");
-    if (overflows(mesh->position_stride, mesh->vertex_count) ||
-        (mesh->normals && overflows(mesh->normal_stride, mesh->vertex_count)))
+    if (shb_triples_overflow(mesh->vertex_count, mesh->position_stride) ||
+        (mesh->normals && shb_triples_overflow(mesh->vertex_count, mesh->normal_stride)))
         return fail(reason, SHB_ERROR_SIZE, "mesh.vertex_count times a stride overflows");
     return check_indices(mesh, reason);
 }
@@ -111,7 +102,8 @@ shb_result shb_scene_check(const shb_scene *scene, const char **reason) {
             return result;
         triangles += scene->instances[i].mesh->triangle_count;
         if (triangles > SHB_TRIANGLES_MAX)
-            return fail(reason, SHB_ERROR_SIZE, "the scene has more than 0xfffffffe triangles");
+            return fail(reason, SHB_ERROR_SIZE,
+                        "the scene has more than SHB_TRIANGLES_MAX triangles");
     }
     return SHB_OK;
 }

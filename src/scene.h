@@ -3,6 +3,7 @@
 #define SRC_SCENE_H
 
 #include "shadowbias/scene.h"
+#include "triples.h"
 
 /* The instance's transform with all zeros read as the identity. */
 shb_mat4 shb_instance_transform(const shb_instance *instance);
@@ -33,19 +34,14 @@ static inline void shb_mesh_triangle(const shb_mesh *mesh, uint32_t triangle,
     }
 }
 
-static inline const float *shb_mesh_vector(const float *vectors, size_t stride, uint32_t vertex) {
-    const size_t step = stride ? stride : 3 * sizeof *vectors;
-    return (const float *)(const void *)((const char *)vectors + vertex * step);
-}
-
 /* Position of a vertex. */
 static inline const float *shb_mesh_position(const shb_mesh *mesh, uint32_t vertex) {
-    return shb_mesh_vector(mesh->positions, mesh->position_stride, vertex);
+    return shb_triple_at(mesh->positions, mesh->position_stride, vertex);
 }
 
 /* Normal of a vertex; the mesh must have normals. */
 static inline const float *shb_mesh_normal(const shb_mesh *mesh, uint32_t vertex) {
-    return shb_mesh_vector(mesh->normals, mesh->normal_stride, vertex);
+    return shb_triple_at(mesh->normals, mesh->normal_stride, vertex);
 }
 
 /* Finds the instance of a triangle id: the instance's number, and in *first the id of its first

@@ -7,6 +7,7 @@
 #include "prepare.h"
 #include "project.h"
 #include "stages.h"
+#include "triples.h"
 
 #include <string.h>
 
@@ -185,6 +186,13 @@ static void prefetch(const float *base, size_t stride, size_t first, size_t coun
         __builtin_prefetch(bytes + i);
 }
 
+static bool are_aligned(const shb_points *points) {
+    const uintptr_t addresses = (uintptr_t)points->positions | (uintptr_t)points->normals |
+                                (uintptr_t)points->own.ids | (uintptr_t)points->own.weight_1 |
+                                (uintptr_t)points->own.weight_2;
+    return addresses % sizeof(float) == 0;
+}
+
 shb_result shb_points_check(const shb_context *context, const char *caller,
                             const shb_points *points) {
     if (points->count && !points->positions)
@@ -196,6 +204,17 @@ shb_result shb_points_check(const shb_context *context, const char *caller,
                         "%s: points.position_stride %zu or points.normal_stride %zu is not a "
                         "multiple of 4",
                         caller, points->position_stride, points->normal_stride);
+    if (!are_aligned(points))
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "%s: points.positions, normals or an array of points.own is not aligned "
+                        "to 4",
+                        caller);
+    if (shb_triples_overflow(points->count, points->position_stride) ||
+        (points->normals && shb_triples_overflow(points->count, points->normal_stride)))
+        return shb_fail(context, SHB_ERROR_SIZE,
+                        "%s: points.count %zu times points.position_stride %zu or "
+                        "points.normal_stride %zu overflows",
+                        caller, points->count, points->position_stride, points->normal_stride);
     if (!points->own.weight_1 != !points->own.weight_2 ||
         (points->own.weight_1 && !points->own.ids))
         return shb_fail(context, SHB_ERROR_ARGUMENT,
@@ -234,8 +253,8 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
 
     const shb_filter hard = shb_filter_hard();
     const shb_shade_kernels *kernels = map->context->shade_kernels;
-    const size_t position_stride = points->position_stride ? points->position_stride : 12;
-    const size_t normal_stride = points->normal_stride ? points->normal_stride : 12;
+    const size_t position_stride = shb_triple_stride(points->position_stride);
+    const size_t normal_stride = shb_triple_stride(points->normal_stride);
     const bool with_normals = needs_normals(map, bias, filter);
     shb_receivers batch;
     SHB_ALIGN float batch_visibility[SHB_BATCH];
@@ -270,7 +289,7 @@ shb_result shb_map_classify(const shb_map *map, const shb_points *points, uint8_
     if (!map->classifies)
         return shb_fail(context, SHB_ERROR_UNSUPPORTED,
                         "shb_map_classify: the map was created without desc.classifies");
-    const size_t stride = points->position_stride ? points->position_stride : 12;
+    const size_t stride = shb_triple_stride(points->position_stride);
     const shb_sheet_kernels *kernels = shb_sheet_kernels_of(context->isa);
     SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH];
     SHB_ALIGN int32_t batch[SHB_BATCH];

@@ -284,6 +284,12 @@ TEST(visibility_refuses_what_it_cannot_answer) {
     bad = good;
     bad.normal_stride = 2;
     refuse(&host, &bad, &none, NULL, SHB_ERROR_ARGUMENT);
+    bad = good;
+    bad.normals = (const float *)(const void *)((const char *)position + 2);
+    refuse(&host, &bad, &none, NULL, SHB_ERROR_ARGUMENT);
+    bad = good;
+    bad.own.ids = (const uint32_t *)(const void *)((const char *)position + 1);
+    refuse(&host, &bad, &none, NULL, SHB_ERROR_ARGUMENT);
     shb_bias unknown = none;
     unknown.needs = 32;
     refuse(&host, &good, &unknown, NULL, SHB_ERROR_ARGUMENT);
@@ -292,6 +298,24 @@ TEST(visibility_refuses_what_it_cannot_answer) {
     CHECK_INT(host.failures, 1);
     float visibility;
     CHECK_INT(shb_map_visibility(NULL, &good, &none, NULL, &visibility), SHB_ERROR_ARGUMENT);
+    close_noise(&host);
+}
+
+TEST(visibility_refuses_points_beyond_the_reach_of_a_pointer) {
+    const float position[] = {0, 0, 0};
+    const shb_points good = {.count = 2, .positions = position, .normals = position};
+    const shb_bias none = shb_bias_none();
+    noise host;
+    open_noise(&host, NULL);
+    shb_points bad = good;
+    bad.position_stride = SIZE_MAX - 3;
+    refuse(&host, &bad, &none, NULL, SHB_ERROR_SIZE);
+    bad = good;
+    bad.normal_stride = SIZE_MAX / 2 - 3;
+    refuse(&host, &bad, &none, NULL, SHB_ERROR_SIZE);
+    bad = good;
+    bad.count = SIZE_MAX;
+    refuse(&host, &bad, &none, NULL, SHB_ERROR_SIZE);
     close_noise(&host);
 }
 
