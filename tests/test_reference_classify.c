@@ -152,27 +152,29 @@ TEST(classification_refuses_bad_arguments) {
     memset(t.truth, 99, PIXEL_COUNT);
     const shb_classify_desc good = stage_desc(&t);
     const shb_view singular = {{{0}}, false};
-    shb_classify_desc bad[13];
-    for (int i = 0; i < 13; i++)
-        bad[i] = good;
-    bad[0].map = NULL;
-    bad[1].frame.view = NULL;
-    bad[2].frame.scene = NULL;
-    bad[3].frame.ids = NULL;
-    bad[4].frame.id_stride = 4 * PIXELS - 4;
-    bad[5].frame.id_stride = 4 * PIXELS + 2;
-    bad[6].min_cosine = -0.1;
-    bad[7].min_cosine = (double)NAN;
-    bad[8].frame.scene = soup_scene(&other);
-    bad[9].frame.width = 0;
-    bad[10].frame.height = 0;
-    bad[11].frame.height = SHB_SIZE_MAX + 1;
-    bad[12].frame.view = &singular;
-    for (int i = 0; i < 13; i++)
-        CHECK_INT(shb_reference_classify(t.reference, &bad[i], t.truth), i < 9 ? SHB_ERROR_ARGUMENT
-                                                                         : i < 12
-                                                                             ? SHB_ERROR_SIZE
-                                                                             : SHB_ERROR_NUMBER);
+#define REFUSES(field, value, expected)                                                            \
+    do {                                                                                           \
+        shb_classify_desc bad = good;                                                              \
+        bad.field = value;                                                                         \
+        CHECK_INT(shb_reference_classify(t.reference, &bad, t.truth), expected);                   \
+    } while (0)
+    REFUSES(map, NULL, SHB_ERROR_ARGUMENT);
+    REFUSES(min_cosine, -0.1, SHB_ERROR_ARGUMENT);
+    REFUSES(min_cosine, 1.1, SHB_ERROR_ARGUMENT);
+    REFUSES(min_cosine, (double)NAN, SHB_ERROR_ARGUMENT);
+    REFUSES(frame.scene, soup_scene(&other), SHB_ERROR_ARGUMENT);
+    REFUSES(frame.view, NULL, SHB_ERROR_ARGUMENT);
+    REFUSES(frame.view, &singular, SHB_ERROR_NUMBER);
+    REFUSES(frame.scene, NULL, SHB_ERROR_ARGUMENT);
+    REFUSES(frame.width, 0, SHB_ERROR_SIZE);
+    REFUSES(frame.height, 0, SHB_ERROR_SIZE);
+    REFUSES(frame.height, SHB_SIZE_MAX + 1, SHB_ERROR_SIZE);
+    REFUSES(frame.ids, NULL, SHB_ERROR_ARGUMENT);
+    REFUSES(frame.ids, (uint32_t *)(void *)((char *)t.ids + 2), SHB_ERROR_ARGUMENT);
+    REFUSES(frame.id_stride, 4 * PIXELS - 4, SHB_ERROR_ARGUMENT);
+    REFUSES(frame.id_stride, 4 * PIXELS + 2, SHB_ERROR_ARGUMENT);
+    REFUSES(frame.id_stride, SIZE_MAX - 3, SHB_ERROR_SIZE);
+#undef REFUSES
     CHECK_INT(shb_reference_classify(NULL, &good, t.truth), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_reference_classify(t.reference, NULL, t.truth), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_reference_classify(t.reference, &good, NULL), SHB_ERROR_ARGUMENT);

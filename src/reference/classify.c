@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "../scene.h"
+#include "../frame.h"
 #include "../surface.h"
 #include "edge_grid.h"
 
@@ -100,27 +100,9 @@ static void classify_row(void *arg, size_t index) {
 
 static shb_result check_frame(const shb_reference *reference, const shb_frame *frame) {
     const shb_context *context = reference->context;
-    if (!frame->view || !frame->scene || !frame->ids)
-        return shb_fail(context, SHB_ERROR_ARGUMENT,
-                        "shb_reference_classify: desc.frame.%s is NULL",
-                        !frame->view    ? "view"
-                        : !frame->scene ? "scene"
-                                        : "ids");
-    if (frame->width == 0 || frame->height == 0 || frame->width > SHB_SIZE_MAX ||
-        frame->height > SHB_SIZE_MAX)
-        return shb_fail(context, SHB_ERROR_SIZE,
-                        "shb_reference_classify: desc.frame is %lu x %lu, not 1 .. %d",
-                        (unsigned long)frame->width, (unsigned long)frame->height, SHB_SIZE_MAX);
-    if (frame->id_stride % sizeof(uint32_t) ||
-        (frame->id_stride && frame->id_stride < frame->width * sizeof(uint32_t)))
-        return shb_fail(context, SHB_ERROR_ARGUMENT,
-                        "shb_reference_classify: desc.frame.id_stride %zu is not a multiple of 4 "
-                        "that holds a row",
-                        frame->id_stride);
-    const char *reason = NULL;
-    const shb_result result = shb_scene_check(frame->scene, &reason);
+    const shb_result result = shb_frame_check(context, "shb_reference_classify", frame);
     if (result)
-        return shb_fail(context, result, "shb_reference_classify: desc.frame: %s", reason);
+        return result;
     const uint64_t count = shb_scene_triangle_count(frame->scene);
     if (count != reference->bvh.id_count)
         return shb_fail(context, SHB_ERROR_ARGUMENT,
