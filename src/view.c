@@ -13,12 +13,14 @@
 
 static const shb_vec3 no_up = {0, 0, 0};
 
+/* A view that has no light is one of numbers too large or too small for doubles. */
 static shb_result finish(shb_mat4 clip_from_eye, shb_mat4 eye_from_world, bool reversed,
                          shb_view *view) {
-    const shb_mat4 clip_from_world = shb_mat4_multiply(clip_from_eye, eye_from_world);
-    if (!shb_mat4_is_finite(&clip_from_world))
+    const shb_view made = {shb_mat4_multiply(clip_from_eye, eye_from_world), reversed};
+    shb_light_source light;
+    if (shb_view_light_source(&made, &light) != SHB_OK)
         return SHB_ERROR_NUMBER;
-    *view = (shb_view){clip_from_world, reversed};
+    *view = made;
     return SHB_OK;
 }
 

@@ -310,6 +310,8 @@ TEST(fits_refuse_bad_arguments) {
     CHECK_INT(shb_view_fit_directional(origin, unit_box, 64, false, &view), SHB_ERROR_ARGUMENT);
     const shb_box vast = {{-1.7e308, -1.7e308, -1.7e308}, {1.7e308, 1.7e308, 1.7e308}};
     CHECK_INT(shb_view_fit_directional(light, vast, 64, false, &view), SHB_ERROR_NUMBER);
+    const shb_box wide = {{0, -1, -1}, {1e308, 1, 1}}; /* a matrix of numbers that vanish */
+    CHECK_INT(shb_view_fit_directional(light, wide, 64, false, &view), SHB_ERROR_NUMBER);
 }
 
 TEST(spot_fit_by_hand) {
