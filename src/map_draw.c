@@ -78,9 +78,8 @@ static shb_result check_draw(const shb_map *map, const shb_scene *scene) {
 static shb_result measure(const shb_scene *scene, double *scale) {
     shb_box box;
     const shb_result result = shb_scene_bounds(scene, &box);
-    const bool is_empty = result == SHB_OK && !(box.lo.x <= box.hi.x);
     if (result == SHB_OK)
-        *scale = is_empty ? 0 : shb_vec3_length(shb_vec3_subtract(box.hi, box.lo));
+        *scale = box.lo.x <= box.hi.x ? shb_vec3_length(shb_vec3_subtract(box.hi, box.lo)) : 0;
     return result;
 }
 
@@ -104,8 +103,9 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
     if (result != SHB_OK)
         return result;
     double scene_scale = map->info.scene_scale;
-    if (map->measures && measure(scene, &scene_scale) != SHB_OK)
-        return shb_fail(map->context, SHB_ERROR_NUMBER, "shb_map_draw: scene has no finite bounds");
+    if (map->measures && (result = measure(scene, &scene_scale)) != SHB_OK)
+        return shb_fail(map->context, result,
+                        "shb_map_draw: an index of scene is not below its mesh.vertex_count");
 
     shb_draw_desc desc = {.view = &map->info.view,
                           .scene = scene,

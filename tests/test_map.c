@@ -377,6 +377,14 @@ TEST(a_failed_drawing_leaves_the_map_alone) {
         CHECK_INT(shb_map_draw(map, &bad[i], &midpoint, NULL), expected[i]);
         CHECK(strncmp(host.sentence, "shb_map_draw: ", 14) == 0);
     }
+    const uint32_t wrong[] = {0, 1, 1000};
+    shb_mesh astray = mesh; /* read where the scene's box is measured */
+    astray.indices = wrong;
+    astray.index_size = 4;
+    astray.triangle_count = 1;
+    const shb_instance no_vertex = {.mesh = &astray};
+    CHECK_INT(shb_map_draw(map, &(shb_scene){&no_vertex, 1}, NULL, NULL), SHB_ERROR_ARGUMENT);
+    CHECK(strstr(host.sentence, "index"));
     CHECK_INT(shb_map_draw(map, NULL, NULL, NULL), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_map_draw(NULL, &scene, NULL, NULL), SHB_ERROR_ARGUMENT);
 
