@@ -4,12 +4,8 @@
  */
 #include "strict.h"
 
+#include "filter_needs.h"
 #include "kernels/shade.h"
-
-static uint32_t needs_of(shb_unit unit, shb_taps taps) {
-    return SHB_NEEDS_SAMPLES | (unit == SHB_UNIT_WORLD ? SHB_NEEDS_SCALE : 0u) |
-           (taps == SHB_TAPS_NAIVE ? SHB_NEEDS_NORMAL : 0u);
-}
 
 static void pcf(const shb_filter_args *args) {
     args->map->context->shade_kernels->pcf(args);
@@ -23,7 +19,7 @@ shb_filter shb_filter_pcf(float size, shb_unit unit, shb_taps taps) {
     return (shb_filter){.name = "pcf",
                         .filter = pcf,
                         .exact = pcf_exact,
-                        .needs = needs_of(unit, taps),
+                        .needs = SHB_NEEDS_SAMPLES | shb_filter_needs_of(unit, taps),
                         .params = {size, (float)unit, (float)taps}};
 }
 
@@ -39,7 +35,7 @@ shb_filter shb_filter_pcf_smooth(float size, shb_unit unit, shb_taps taps) {
     return (shb_filter){.name = "pcf-smooth",
                         .filter = pcf_smooth,
                         .exact = pcf_smooth_exact,
-                        .needs = needs_of(unit, taps),
+                        .needs = SHB_NEEDS_SAMPLES | shb_filter_needs_of(unit, taps),
                         .params = {size, (float)unit, (float)taps}};
 }
 
@@ -55,7 +51,7 @@ shb_filter shb_filter_jittered(float size, shb_unit unit, shb_taps taps) {
     return (shb_filter){.name = "jittered",
                         .filter = jittered,
                         .exact = jittered_exact,
-                        .needs = needs_of(unit, taps),
+                        .needs = SHB_NEEDS_SAMPLES | shb_filter_needs_of(unit, taps),
                         .params = {size, (float)unit, (float)taps}};
 }
 
@@ -71,6 +67,6 @@ shb_filter shb_filter_poisson(float count, float radius, shb_unit unit, shb_taps
     return (shb_filter){.name = "poisson",
                         .filter = poisson,
                         .exact = poisson_exact,
-                        .needs = needs_of(unit, taps),
+                        .needs = SHB_NEEDS_SAMPLES | shb_filter_needs_of(unit, taps),
                         .params = {count, radius, (float)unit, (float)taps}};
 }

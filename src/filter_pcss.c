@@ -2,6 +2,7 @@
  * 2015, section 4.2). */
 #include "strict.h"
 
+#include "filter_needs.h"
 #include "kernels/shade.h"
 #include "pcss.h"
 #include "taps.h"
@@ -127,6 +128,6 @@ shb_filter shb_filter_pcss(float light_size, int blocker_samples, int filter_sam
         .exact = pcss_exact,
         .prepare = prepare,
         .release = release,
-        .needs = SHB_NEEDS_SAMPLES | (taps == SHB_TAPS_NAIVE ? SHB_NEEDS_NORMAL : 0u),
+        .needs = SHB_NEEDS_SAMPLES | shb_filter_needs_of(SHB_UNIT_TEXEL, taps),
         .params = {light_size, (float)blocker_samples, (float)filter_samples, (float)taps}};
 }
