@@ -28,7 +28,7 @@ size_t shb_prepared_bytes(const shb_map *map) {
 }
 
 static void release(const shb_map *map, const shb_filter *filter, void *data) {
-    if (filter->release)
+    if (filter->release && data)
         filter->release(map, data);
 }
 

@@ -237,3 +237,44 @@ TEST(what_is_outdated_makes_room_first) {
     }
     close_host(&h);
 }
+
+/* The first preparation makes something, the second nothing. */
+static shb_result make_one_then_none(const shb_map *map, const shb_filter *filter, void **prepared,
+                                     size_t *bytes) {
+    (void)map;
+    tally *count = (tally *)filter->user;
+    *prepared = count->made++ == 0 ? malloc(1) : NULL;
+    *bytes = 0;
+    return SHB_OK;
+}
+
+static int releases, releases_of_nothing;
+
+static void count_release(const shb_map *map, void *prepared) {
+    (void)map;
+    releases++;
+    releases_of_nothing += !prepared;
+    free(prepared);
+}
+
+TEST(a_filter_that_prepares_nothing_has_nothing_to_release) {
+    host h;
+    open_host(&h);
+    tally count = {0};
+    shb_filter filter = number_filter(&count, 0);
+    filter.prepare = make_one_then_none;
+    filter.release = count_release;
+    filter.needs = SHB_NEEDS_PREPARED;
+    releases = releases_of_nothing = 0;
+    for (int i = 0; i < 3; i++)
+        CHECK_INT(shb_map_prepare(h.map, &filter), SHB_OK);
+    CHECK_INT(releases, 1);
+    const shb_bias none = shb_bias_none();
+    const shb_points points = {.count = 1, .positions = (float[]){0, 0, 0}};
+    float visibility;
+    CHECK_INT(shb_map_visibility(h.map, &points, &none, &filter, &visibility),
+              SHB_ERROR_UNSUPPORTED);
+    close_host(&h);
+    CHECK_INT(releases, 1);
+    CHECK_INT(releases_of_nothing, 0);
+}

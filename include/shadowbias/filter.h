@@ -24,12 +24,12 @@ typedef struct shb_filter shb_filter;
 typedef struct shb_own_triangles {
     const uint32_t *ids; /* of the scene that the map was drawn from, as shb_draw counts them; NULL:
                             unknown. A point's own triangle does not shadow it */
-    const float *weight_1; /* barycentric weights of the triangle's second and third corner: both */
-    const float
-        *weight_2; /* or, NULL, neither. With them the points are those that ids and weights
-                      name, in double: nothing is left to the rounding of positions. Points
-                      are taken by batches of SHB_BATCH; one with a position that is off by
-                      2^-18 of the size of its corners' coordinates goes by positions alone */
+    /* barycentric weights of the triangle's second and third corner: both or, NULL, neither. With
+     * them the points are those that ids and weights name, in double: nothing is left to the
+     * rounding of positions. Points are taken by batches of SHB_BATCH; a batch with a position that
+     * is off by 2^-18 of the size of its corners' coordinates goes by positions alone */
+    const float *weight_1;
+    const float *weight_2;
 } shb_own_triangles;
 
 typedef struct shb_filter_args {
@@ -51,10 +51,13 @@ typedef void shb_filter_fn(const shb_filter_args *args);
 
 /* What a filter makes of a map before it is asked. Runs on the caller's thread and may use the
  * context's threads. *prepared is NULL, or what the same filter made of this map before, which may
- * be made over in place: what is not returned is released. bytes: what the result takes, for
- * shb_map_info. On failure prepared, what it points to and bytes are untouched. */
+ * be made over in place: what is not returned is released. A result of NULL counts as not prepared.
+ * bytes: what the result takes, for shb_map_info. On failure prepared, what it points to and bytes
+ * are untouched. */
 typedef shb_result shb_filter_prepare_fn(const shb_map *map, const shb_filter *filter,
                                          void **prepared, size_t *bytes);
+
+/* Frees what the filter prepared, which is not NULL. */
 typedef void shb_filter_release_fn(const shb_map *map, void *prepared);
 
 /* In shb_filter.needs beside SHB_NEEDS_NORMAL, _SCALE and _SLOPE: the filter is refused for maps
