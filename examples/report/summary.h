@@ -30,8 +30,8 @@ bool report_share_pair(const report_row *a, const report_row *b);
 bool report_add_means(report_rows *rows);
 
 /* Whether a row is on the Pareto front of its scene, light and kind (hard or soft): none of the
- * others is as fast and as right, and better in one of the two. Here and below the more right of two
- * rows with the same error is the one with fewer wrong fragments in all. */
+ * others is as fast and as right, and better in one of the two. Here and below the more right of
+ * two rows with the same error is the one with fewer wrong fragments in all. */
 bool report_is_on_front(const report_rows *rows, const report_row *row, report_error_fn *error_of);
 
 /* The fastest means whose error is at most the limit, or rather the one with the smallest error of

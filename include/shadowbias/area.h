@@ -36,7 +36,7 @@ typedef struct shb_area_points {
  * direction makes more than a right angle with the normal) counts as dark; without normals the
  * surface is transparent for its own point, and a closed body shadows itself by its other
  * triangles. A point that is not finite, or lies on a sample, is lit by it; a normal that is zero
- * or not finite is none. Works on the context's threads. Errors: SHB_ERROR_ARGUMENT,
+ * or not finite is none. One call at a time for a context. Errors: SHB_ERROR_ARGUMENT,
  * SHB_ERROR_NUMBER for a light that shb_reference_occluded refuses or an extent that is not finite,
  * SHB_ERROR_SIZE for samples out of range. */
 shb_result shb_reference_area(const shb_reference *reference, const shb_area_light *area,

@@ -18,7 +18,8 @@
  * - fragment beyond the far plane: tested as if it lay on the far plane; empty texels light it
  * - no normal (zero or not finite): the light's direction takes its place; the receiver is taken to
  *   face the light and its slopes are 0
- * - plane parallel to the light ray: slopes are cut off at 1 map depth per texel; 0 if undefined */
+ * - plane parallel to the light ray: slopes are cut off at 1 map depth per texel; 0 if undefined
+ * - parameter out of all reason, or not a number: nothing checks it; visibility stays in 0 .. 1 */
 #ifndef SHADOWBIAS_BIAS_H
 #define SHADOWBIAS_BIAS_H
 

@@ -25,8 +25,10 @@ typedef void shb_task_fn(void *arg, size_t index);
  * them are done. The host's scheduler plugs in here. */
 typedef void shb_parallel_for_fn(void *user, shb_task_fn *task, void *arg, size_t count);
 
-/* Called with one sentence that names the function, the field and the value, whenever a call fails.
- * May be called from any thread that calls the library. */
+/* Called once for every call that fails and has a context, or something made with one: with a
+ * sentence that names the function, the field and the value. The function is the one that was
+ * called or, where that calls others (shb_area_visibility draws maps), the one that failed. May be
+ * called from any thread that calls the library. */
 typedef void shb_log_fn(void *user, shb_result result, const char *sentence);
 
 /* Results never depend on it: it is for tests, tools and measurements. */
@@ -52,8 +54,13 @@ typedef struct shb_context_desc {
 } shb_context_desc;
 
 /* desc may be NULL: all defaults. SHB_ERROR_ARITHMETIC if the floating point of this build or
- * thread is not IEEE round-to-nearest without contraction and without flushed subnormals. A context
- * serves one drawing or shading call at a time; asking maps for visibility needs none. */
+ * thread is not IEEE round-to-nearest without contraction and without flushed subnormals;
+ * SHB_ERROR_ARGUMENT, SHB_ERROR_MEMORY.
+ *
+ * A context serves one call at a time of those that work on its threads or in its memory, which say
+ * so: drawing, preparing, shading, making clusters, the reference. Meanwhile other threads may make
+ * and destroy maps, and ask those that are not being drawn or prepared (shb_map_visibility,
+ * shb_map_classify). Contexts know nothing of each other. */
 shb_result shb_context_create(const shb_context_desc *desc, shb_context **context);
 
 /* NULL is ignored. Destroy what was created with the context first. */

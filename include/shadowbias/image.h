@@ -16,8 +16,8 @@ typedef struct shb_image {
 } shb_image;
 
 /* Writes a binary PPM (P6). SHB_ERROR_ARGUMENT for NULL or a stride below 3 * width, SHB_ERROR_SIZE
- * for a width or height of 0, SHB_ERROR_FILE if the file cannot be opened or written; a file that
- * was written in part is removed. */
+ * for a width or height of 0 or a stride that overflows, SHB_ERROR_FILE if the file cannot be
+ * opened or written; a file that was written in part is removed. */
 shb_result shb_image_write_ppm(const shb_image *image, const char *path);
 
 #ifdef __cplusplus

@@ -16,7 +16,7 @@ typedef struct shb_map_desc {
     double scene_scale; /* world units; 0: the diagonal of the box of what is drawn (a pass over its
                            vertices at each draw), or of the box of the light's frustum for a map
                            that is wrapped (up to depth 0.5 when far is infinite) */
-    shb_occluders occluders; /* kept when the map is drawn, for the exact method; none if wrapped */
+    shb_occluders occluders; /* kept when the map is drawn, for the exact method */
     size_t occluder_memory;  /* the most bytes that lists may keep; 0: as many as they need. Lists
                                 that would keep more are made for texels twice as large, or four
                                 times, and so on: the answers are the same, only slower. Drawing
@@ -28,9 +28,10 @@ typedef struct shb_map_desc {
                         or triangles are not right by themselves better */
 } shb_map_desc;
 
-/* An empty map: every fragment is lit, by any method. Both ways to make a map fail with
- * SHB_ERROR_NUMBER if the view cannot be inverted or view.reversed contradicts its matrix (depth
- * must grow, or fall when reversed, away from the light), or scene_scale is negative or not finite.
+/* An empty map: every fragment is lit, by any method. To be destroyed before its context. Both ways
+ * to make a map fail with SHB_ERROR_NUMBER if the view cannot be inverted, view.reversed
+ * contradicts the matrix of a point light (depth must grow, or fall when reversed, away from it),
+ * or scene_scale is negative or not finite; SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE, SHB_ERROR_MEMORY.
  */
 shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_map **map);
 
@@ -38,7 +39,8 @@ shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_ma
  * size and format. texels is borrowed and read at every question; stride in bytes, 0: no gaps.
  * holds names the method whose combine stage or culling the host applied; NULL: the nearest depth.
  * SHB_ERROR_ARGUMENT if texels or stride is not aligned to the texel's size, SHB_ERROR_SIZE if the
- * stride is shorter than a row. */
+ * stride is shorter than a row, SHB_ERROR_UNSUPPORTED if desc.occluders or desc.classifies is set:
+ * depths alone tell nothing of either. */
 shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const void *texels,
                         size_t stride, const shb_bias *holds, shb_map **map);
 
@@ -47,8 +49,9 @@ shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const vo
  * nearest depth, which serves all such methods alike. desc.occluders are kept if bias is NULL or
  * needs them, in copies: the scene may go when the call is done. What a combine stage writes is
  * rounded to the format as drawn depths are; NaN becomes the far depth. stats may be NULL. Errors
- * as shb_draw, and SHB_ERROR_UNSUPPORTED for a wrapped map; the map keeps what it held then. One
- * call at a time for a context, and none while others ask the map. */
+ * as shb_draw, SHB_ERROR_UNSUPPORTED for a wrapped map, and SHB_ERROR_ARGUMENT where the pass over
+ * the vertices for the scene's scale meets an index that is out of range; the map keeps what it
+ * held then. One call at a time for a context, and none while others ask the map. */
 shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                         shb_draw_stats *stats);
 
@@ -68,13 +71,15 @@ shb_result shb_map_prepare(shb_map *map, const shb_filter *filter);
 /* NULL is ignored. */
 void shb_map_destroy(shb_map *map);
 
-/* Valid until the map is destroyed; NULL for NULL. */
+/* Valid until the map is destroyed, and written when it is drawn or prepared; NULL for NULL. */
 const shb_map_info *shb_map_get_info(const shb_map *map);
 
-/* The stored depths, top row first, to be read; valid until the map is drawn again or destroyed. */
+/* The stored depths, top row first, to be read; valid until the map is drawn again or destroyed. No
+ * texels for NULL. */
 shb_depth_image shb_map_get_depth(const shb_map *map);
 
-/* Points of a host: any count, any layout. Strides in bytes, multiples of 4; 0: 12. */
+/* Points of a host: any count, any layout. Arrays are aligned to 4 bytes; strides in bytes,
+ * multiples of 4; 0: 12. */
 typedef struct shb_points {
     size_t count;
     const float *positions; /* x, y, z in world units */
@@ -88,9 +93,9 @@ typedef struct shb_points {
 /* Visibility of the light from count points: 0 shadowed .. 1 lit. filter NULL: hard. Allocates
  * nothing; any thread, any number at a time. SHB_ERROR_UNSUPPORTED if method or filter need normals
  * that are missing, a map drawn or prepared for them, or do not go together; SHB_ERROR_ARGUMENT for
- * NULL pointers, bad strides, weights without ids or one without the other, and, where they are
- * read, ids that the map's scene does not have (SHB_ID_NONE: unknown, may stand for some of them
- * where there are no weights). */
+ * NULL pointers, bad alignments and strides, weights without ids or one without the other, and,
+ * where they are read, ids that the map's scene does not have (SHB_ID_NONE: unknown, may stand for
+ * some of them where there are no weights); SHB_ERROR_SIZE where count times a stride overflows. */
 shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,
                               const shb_filter *filter, float *visibility);
 

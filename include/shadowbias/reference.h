@@ -4,7 +4,9 @@
  * The receiver's own triangle is left out by its id, never by an offset along the ray, so the truth
  * has no bias of its own. A hit counts unless the rounding of double arithmetic cannot tell it from
  * the ray's origin (the forward error bound of the distance computation). Slow on purpose: not a
- * part of the shadow-map path. */
+ * part of the shadow-map path.
+ *
+ * What takes a reference works on the threads of its context: one call at a time for a context. */
 #ifndef SHADOWBIAS_REFERENCE_H
 #define SHADOWBIAS_REFERENCE_H
 
@@ -18,14 +20,16 @@ typedef struct shb_reference shb_reference;
 
 /* Copies the scene's triangles in world units (double) and builds the hierarchy. Culling does not
  * matter: every triangle casts a shadow. Errors: those of shb_scene_validate, SHB_ERROR_SIZE above
- * 2^30 triangles, SHB_ERROR_MEMORY. The reference must be destroyed before its context. */
+ * 2^30 triangles, SHB_ERROR_MEMORY. One call at a time for a context. */
 shb_result shb_reference_create(shb_context *context, const shb_scene *scene,
                                 shb_reference **reference);
+
+/* Before its context is destroyed; NULL is ignored. */
 void shb_reference_destroy(shb_reference *reference);
 
 /* occluded[i] = 1 if a triangle other than own_ids[i] lies between points[i] and the light, else 0.
  * own_ids may be NULL or hold SHB_ID_NONE: nothing is left out. Watertight: a ray through a shared
- * edge or corner hits. A point that is not finite gives 0. Works on the context's threads.
+ * edge or corner hits. A point that is not finite gives 0. SHB_ERROR_ARGUMENT for NULL,
  * SHB_ERROR_NUMBER if the light is not finite, a zero direction, or its w is neither 0 nor 1. */
 shb_result shb_reference_occluded(const shb_reference *reference, const shb_light_source *light,
                                   size_t count, const shb_vec3 *points, const uint32_t *own_ids,
@@ -42,7 +46,7 @@ enum {
 typedef struct shb_classify_desc {
     shb_frame frame;
     const shb_map *map; /* the light and the texel grid; its depths are not read */
-    double min_cosine;  /* fragments whose triangle meets the light at a smaller cosine are
+    double min_cosine;  /* 0 .. 1; fragments whose triangle meets the light at a smaller cosine are
                            SHB_TRUTH_NONE; 0: only those that face away from it */
 } shb_classify_desc;
 
@@ -74,7 +78,7 @@ typedef struct shb_errors {
 } shb_errors;
 
 /* truth and visibility hold count elements in the same order; those whose truth is SHB_TRUTH_NONE
- * are skipped. */
+ * are skipped. SHB_ERROR_ARGUMENT for NULL. */
 shb_result shb_errors_measure(size_t count, const uint8_t *truth, const float *visibility,
                               shb_errors *errors);
 

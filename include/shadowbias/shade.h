@@ -33,12 +33,13 @@ typedef struct shb_fragments {
     float normal_x[SHB_BATCH]; /* of the triangle */
     float normal_y[SHB_BATCH];
     float normal_z[SHB_BATCH];
-    float
-        shading_x[SHB_BATCH]; /* interpolated from the mesh's normals; the triangle's without any */
+    /* interpolated from the mesh's normals; the triangle's without any */
+    float shading_x[SHB_BATCH];
     float shading_y[SHB_BATCH];
     float shading_z[SHB_BATCH];
-    float weight_1[SHB_BATCH]; /* barycentric weights of the triangle's second and third corner: at
-                                  least 0, and in sum, before it is rounded, at most 1 */
+    /* barycentric weights of the triangle's second and third corner: at least 0, and in sum, before
+     * it is rounded, at most 1 */
+    float weight_1[SHB_BATCH];
     float weight_2[SHB_BATCH];
     uint32_t id[SHB_BATCH];
     int32_t pixel_x[SHB_BATCH];
@@ -109,10 +110,10 @@ void shb_shade_lambert(const shb_shade_args *args);
 
 /* The errors of the first light over surfaces in dim grey: false shadow red, false light blue, both
  * paler where the truth has the flag SHB_TRUTH_BOUNDARY. A visibility below 0.5 counts as shadowed.
- * user: an shb_shade_error_params. */
+ * user: a pointer to an shb_shade_error_params. */
 typedef struct shb_shade_error_params {
     const uint8_t *truth; /* one a pixel, as shb_reference_classify writes it */
-    size_t stride;        /* bytes from one row to the next */
+    size_t stride; /* bytes from one row to the next: the frame's width if there are no gaps */
 } shb_shade_error_params;
 void shb_shade_error(const shb_shade_args *args);
 

@@ -14,16 +14,19 @@ extern "C" {
 
 typedef struct shb_view {
     shb_mat4 clip_from_world;
-    bool reversed; /* depth 1 at the near plane, 0 at the far plane */
+    bool reversed; /* depth 1 at the near plane, 0 at the far plane: a light at infinity lies on the
+                      side where depth is nearest */
 } shb_view;
 
-/* Perspective camera; arguments as in shb_mat4_look_at and shb_mat4_perspective.
- * SHB_ERROR_NUMBER or SHB_ERROR_ARGUMENT when they are out of range or eye equals target. */
+/* Perspective camera; arguments as in shb_mat4_look_at and shb_mat4_perspective. SHB_ERROR_ARGUMENT
+ * if they are out of range or eye equals target, SHB_ERROR_NUMBER if one is not finite (the far
+ * distance may be infinite) or so large or small that the matrix has no inverse in double. */
 shb_result shb_view_perspective(shb_vec3 eye, shb_vec3 target, shb_vec3 up, double vertical_angle,
                                 double aspect, double near_distance, double far_distance,
                                 bool reversed, shb_view *view);
 
-/* Orthographic camera; half sizes in world units. */
+/* Orthographic camera; half sizes above 0 and distances in world units, near < far, also behind the
+ * eye; all of them finite. Errors as above. */
 shb_result shb_view_orthographic(shb_vec3 eye, shb_vec3 target, shb_vec3 up, double half_width,
                                  double half_height, double near_distance, double far_distance,
                                  bool reversed, shb_view *view);
@@ -40,7 +43,7 @@ shb_result shb_view_fit_directional(shb_vec3 to_light, shb_box bounds, uint32_t 
 /* A spot light at position that sees the whole box: looks at the box's centre, the opening angle
  * and the near and far distances are the smallest that hold the box, with a margin of two texels.
  * SHB_ERROR_ARGUMENT if the position lies inside the box or so close that the opening angle would
- * exceed 170 degrees: use shb_view_perspective then. Other errors as above. */
+ * exceed 170 degrees: use shb_view_perspective then. Other errors as shb_view_fit_directional. */
 shb_result shb_view_fit_spot(shb_vec3 position, shb_box bounds, uint32_t map_size, bool reversed,
                              shb_view *view);
 
