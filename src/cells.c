@@ -4,8 +4,6 @@
 
 #include "scratch.h"
 
-#include <string.h>
-
 static size_t round_to_blocks(size_t samples) {
     return (samples + SHB_SMALL - 1) / SHB_SMALL * (SHB_SMALL / SHB_CELL);
 }
@@ -33,9 +31,4 @@ void shb_cells_reset(const shb_tile *tile) {
         tile->cells[i] = SHB_NOT_CLEARED;
     for (size_t i = 0; tile->second_cells && i < count; i++)
         tile->second_cells[i] = SHB_NOT_CLEARED;
-}
-
-void shb_used_forget(uint8_t *used, size_t width, size_t height) {
-    if (used)
-        memset(used, SHB_USED_ALL, shb_used_count(width, height));
 }

@@ -18,15 +18,4 @@ float *shb_cells_reserve(shb_context *context, size_t count, size_t width, size_
 /* Nothing is cleared yet. */
 void shb_cells_reset(const shb_tile *tile);
 
-/* What is not clear of images, a byte for each of their cells, row after row. */
-static inline size_t shb_used_stride(size_t width) {
-    return (width + SHB_CELL - 1) / SHB_CELL;
-}
-static inline size_t shb_used_count(size_t width, size_t height) {
-    return shb_used_stride(width) * shb_used_stride(height);
-}
-
-/* Nothing is known to be clear any more; used may be NULL. */
-void shb_used_forget(uint8_t *used, size_t width, size_t height);
-
 #endif

@@ -6,6 +6,7 @@
 #include "chunk_gather.h"
 #include "chunk_whole.h"
 #include "cluster_bin.h"
+#include "marks.h"
 #include "scratch.h"
 
 #include <stdatomic.h>
@@ -48,7 +49,7 @@ typedef struct tile_job {
     const shb_chunks *chunks;
     grid grid;
     bool counts;
-    uint8_t *used; /* the target's, if tiles are drawn in the images */
+    uint8_t *marks; /* the target's, if tiles are drawn in the images */
     shb_chunk_bins bins;
     shb_cluster_bins clusters;
     shb_layers *lanes; /* NULL when tiles are drawn directly */
@@ -150,11 +151,11 @@ static void *texel_at(void *texels, size_t stride, const shb_samples *samples) {
                   : NULL;
 }
 
-static uint8_t *used_at(const tile_job *job, const shb_samples *samples) {
+static uint8_t *marks_at(const tile_job *job, const shb_samples *samples) {
     const size_t row = (size_t)samples->first_row / SHB_CELL;
-    return job->used ? job->used + row * shb_used_stride(job->desc->width) +
-                           (size_t)samples->first_column / SHB_CELL
-                     : NULL;
+    return job->marks ? job->marks + row * shb_marks_stride(job->desc->width) +
+                            (size_t)samples->first_column / SHB_CELL
+                      : NULL;
 }
 
 /* A tile's layers: parts of the images, or the lane's own. Where no image is to hold the depth, it
@@ -177,7 +178,7 @@ static shb_layers layers_of(const tile_job *job, size_t lane, shb_samples sample
         .second = texel_at(desc->second.texels, stride, &samples),
         .ids = texel_at(desc->ids, stride, &samples),
         .cells = cells,
-        .used = used_at(job, &samples),
+        .marks = marks_at(job, &samples),
     };
 }
 
@@ -188,8 +189,7 @@ static void draw_coded(const tile_job *job, const shb_layers *layers) {
         const shb_samples reached = shb_samples_intersect(coded->samples, layers->samples);
         if (shb_samples_are_empty(reached))
             continue;
-        shb_mark_used(job->used, (ptrdiff_t)shb_used_stride(job->desc->width), layers->ids != NULL,
-                      &reached);
+        shb_marks_draw(job->marks, (ptrdiff_t)shb_marks_stride(job->desc->width), &reached);
         if (!instance || !shb_instance_has(instance, coded->id))
             instance = shb_geometry_instance(job->geometry, coded->id);
         shb_clip_position corners[3];
@@ -239,8 +239,7 @@ static size_t draw_clusters(const tile_job *job, size_t row, const shb_layers *l
 
 static void draw_tile(tile_job *job, size_t lane, size_t number) {
     const shb_layers layers = layers_of(job, lane, tile_samples(job, number));
-    const shb_tile tile =
-        shb_layers_tile(&layers, job->target, job->desc->view->reversed, job->counts);
+    const shb_tile tile = shb_layers_tile(&layers, job->desc, job->target, job->counts);
     draw_binned(job, number, &tile);
     const size_t drawn = draw_clusters(job, number / job->bins.columns, &layers, &tile);
     atomic_fetch_add(&job->drawn, drawn);
@@ -349,9 +348,9 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .counts = stats != NULL,
                     .grid = choose_grid(context, desc, geometry)};
     if (job.grid.direct)
-        job.used = target->used;
+        job.marks = target->marks;
     else
-        shb_used_forget(target->used, desc->width, desc->height);
+        shb_marks_forget(target->marks, desc->width, desc->height);
     if (!(job.grid.whole ? draw_whole : draw_tiles)(context, &job))
         return false;
     if (stats)

@@ -3,6 +3,7 @@
 #include "chunk_whole.h"
 
 #include "format.h"
+#include "marks.h"
 
 #include <stdatomic.h>
 
@@ -14,17 +15,18 @@
 
 typedef struct whole_job {
     const shb_kernels *kernels;
+    const shb_draw_desc *desc;
     const shb_target *target;
     const shb_chunks *chunks;
-    bool reversed, counts;
+    bool counts;
     size_t lane_count;
     shb_layers lanes[LANES_MAX]; /* the first one is the target */
     uint64_t drawn[LANES_MAX];
     atomic_size_t next; /* chunk that nobody has begun */
 } whole_job;
 
-shb_tile shb_layers_tile(const shb_layers *layers, const shb_target *target, bool reversed,
-                         bool counts) {
+shb_tile shb_layers_tile(const shb_layers *layers, const shb_draw_desc *desc,
+                         const shb_target *target, bool counts) {
     const shb_samples *samples = &layers->samples;
     const int32_t width = samples->last_column - samples->first_column + 1;
     const size_t columns = (size_t)width;
@@ -35,13 +37,14 @@ shb_tile shb_layers_tile(const shb_layers *layers, const shb_target *target, boo
         .ids = layers->ids,
         .planes = target->planes,
         .stride = (ptrdiff_t)layers->pitch,
-        .far_depth = shb_far_depth(reversed),
+        .far_depth = shb_far_depth(desc->view->reversed),
         .counts = counts,
         .cells = layers->cells,
         .second_cells = layers->second ? layers->cells + shb_cells_count(columns, rows) : NULL,
         .cell_stride = (ptrdiff_t)shb_cells_stride(columns),
-        .used = layers->used,
-        .used_stride = (ptrdiff_t)shb_used_stride((size_t)target->samples.last_column + 1),
+        .marks = layers->marks,
+        .marks_stride = (ptrdiff_t)shb_marks_stride(desc->width),
+        .has_depth_image = desc->depth.texels != NULL,
         .x0 = samples->first_column,
         .y0 = samples->first_row,
         .right = samples->last_column + 1,
@@ -54,8 +57,7 @@ shb_tile shb_layers_tile(const shb_layers *layers, const shb_target *target, boo
 
 static void run_lane(void *arg, size_t index) {
     whole_job *job = arg;
-    const shb_tile tile =
-        shb_layers_tile(&job->lanes[index], job->target, job->reversed, job->counts);
+    const shb_tile tile = shb_layers_tile(&job->lanes[index], job->desc, job->target, job->counts);
     const shb_chunk *chunks = job->chunks->chunks;
     const size_t count = job->chunks->count;
     uint64_t drawn = 0;
@@ -118,16 +120,16 @@ bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const
     const size_t shares = chunks->count / CHUNKS_AT_ONCE + 1;
     const size_t most = context->threads < LANES_MAX ? context->threads : LANES_MAX;
     whole_job job = {.kernels = context->kernels,
+                     .desc = desc,
                      .target = target,
                      .chunks = chunks,
-                     .reversed = desc->view->reversed,
                      .counts = counts,
                      .lane_count = shares < most ? shares : most,
                      .lanes = {*layers}};
     const size_t rows = desc->height;
     if (job.lane_count > 1) {
-        job.lanes[0].used = NULL;
-        shb_used_forget(target->used, desc->width, rows);
+        job.lanes[0].marks = NULL;
+        shb_marks_forget(target->marks, desc->width, desc->height);
         const shb_layers *own =
             shb_layers_reserve(context, desc, job.lane_count - 1, desc->width, rows);
         if (!own)

@@ -9,8 +9,8 @@
 #include "layers.h"
 
 /* The part of the target that the layers hold, for the kernels. Nothing of it is cleared yet. */
-shb_tile shb_layers_tile(const shb_layers *layers, const shb_target *target, bool reversed,
-                         bool counts);
+shb_tile shb_layers_tile(const shb_layers *layers, const shb_draw_desc *desc,
+                         const shb_target *target, bool counts);
 
 /* Clears layers, which are those of the whole target and part of its images, and draws all chunks
  * into them. Adds how many triangles were drawn to *drawn, hidden ones if counts is set. false: out

@@ -2,10 +2,10 @@
 
 #include "draw.h"
 
-#include "cells.h"
 #include "chunk_tile.h"
 #include "context.h"
 #include "format.h"
+#include "marks.h"
 #include "matrix.h"
 #include "scene.h"
 #include "tile.h"
@@ -68,6 +68,14 @@ static shb_result check_tile_size(const shb_context *context, uint32_t size) {
                     "shb_draw: desc.tile_size %u is not 0 or a power of two from 16 to 512", size);
 }
 
+static shb_result check_marks(const shb_context *context, const shb_draw_desc *desc) {
+    const size_t size = shb_clear_marks_size(desc->width, desc->height);
+    if (!desc->clear_marks || desc->clear_marks_size == size)
+        return SHB_OK;
+    return shb_fail(context, SHB_ERROR_SIZE, "shb_draw: desc.clear_marks_size %zu is not %zu",
+                    desc->clear_marks_size, size);
+}
+
 static shb_result check_scene(const shb_context *context, const shb_scene *scene) {
     const char *reason = NULL;
     const shb_result result = shb_scene_check(scene, &reason);
@@ -91,6 +99,8 @@ static shb_result check_desc(const shb_context *context, const shb_draw_desc *de
         result = check_ids(context, desc);
     if (!result)
         result = check_tile_size(context, desc->tile_size);
+    if (!result)
+        result = check_marks(context, desc);
     if (!result && !shb_mat4_is_finite(&desc->view->clip_from_world))
         result = shb_fail(context, SHB_ERROR_NUMBER, "shb_draw: desc.view is not finite");
     return result ? result : check_scene(context, desc->scene);
@@ -116,7 +126,7 @@ static bool draw_scalar(shb_context *context, const shb_draw_desc *desc,
 }
 
 shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
-                           const shb_plane_finder *planes, uint8_t *used, shb_draw_stats *stats) {
+                           const shb_plane_finder *planes, shb_draw_stats *stats) {
     if (!context)
         return SHB_ERROR_ARGUMENT;
     const shb_result result = check_desc(context, desc);
@@ -124,9 +134,9 @@ shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
         return result;
     shb_target target = shb_target_of(desc->width, desc->height, desc->view->reversed);
     target.planes = planes;
-    target.used = used;
+    target.marks = shb_marks_open(desc);
     if (!context->kernels)
-        shb_used_forget(used, desc->width, desc->height);
+        shb_marks_forget(target.marks, desc->width, desc->height);
     shb_geometry geometry = {0};
     shb_draw_stats counted;
     if (!shb_geometry_prepare(context, desc, &geometry) ||
@@ -141,5 +151,5 @@ shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
 }
 
 shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_stats *stats) {
-    return shb_draw_planes(context, desc, NULL, NULL, stats);
+    return shb_draw_planes(context, desc, NULL, stats);
 }

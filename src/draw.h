@@ -6,11 +6,8 @@
 
 /* As shb_draw; with planes not NULL, the description's ids receive slopes, two halves over the
  * finder's unit, x in the lower one, and depths are raised as drawn_plane.h says. At equal depth
- * the lower pair of halves wins, as a signed number. The finder is asked by any thread.
- *
- * used not NULL: what is not clear in the images (cells.h), of which none is a second one; the rest
- * is as a drawing of this view's size left it. */
+ * the lower pair of halves wins, as a signed number. The finder is asked by any thread. */
 shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
-                           const shb_plane_finder *planes, uint8_t *used, shb_draw_stats *stats);
+                           const shb_plane_finder *planes, shb_draw_stats *stats);
 
 #endif

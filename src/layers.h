@@ -15,7 +15,7 @@ typedef struct shb_layers {
     float *second; /* NULL: not wanted */
     uint32_t *ids; /* or slopes, as the target says; NULL: not wanted */
     float *cells;  /* for the kernels: bounds of the depth in squares of SHB_CELL samples */
-    uint8_t *used; /* as in the target, from the first cell on; NULL: not known */
+    uint8_t *marks; /* as in the target, from the first cell on; NULL: not known */
 } shb_layers;
 
 /* Layers of pitch * rows samples for each of count lanes, in the context's scratch, with what the

@@ -2,7 +2,6 @@
 
 #include "map.h"
 
-#include "cells.h"
 #include "format.h"
 #include "lists.h"
 #include "occluders.h"
@@ -144,15 +143,15 @@ shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_ma
     made->depth.stride = padded_stride(made->info.width, shb_format_size(desc->format));
     made->info.memory_bytes = shb_map_depth_bytes(made);
     made->depth.texels = shb_alloc(context, made->info.height, made->depth.stride);
-    made->used = shb_alloc(context, shb_used_count(made->info.width, made->info.height), 1);
-    shb_used_forget(made->used, made->info.width, made->info.height);
-    if (!made->depth.texels || !made->used || !shb_occluders_create(made)) {
+    made->marks = shb_alloc(context, shb_map_marks_size(made), 1);
+    if (!made->depth.texels || !made->marks || !shb_occluders_create(made)) {
         shb_map_destroy(made);
         return shb_fail(context, SHB_ERROR_MEMORY,
                         "shb_map_create: no memory for desc.width %u by desc.height %u texels",
                         (unsigned)desc->width, (unsigned)desc->height);
     }
     fill_far(made);
+    memset(made->marks, 0, shb_map_marks_size(made));
     *map = made;
     return SHB_OK;
 }
@@ -224,14 +223,18 @@ void shb_map_destroy(shb_map *map) {
     shb_prepared_release(map);
     if (map->owned)
         shb_free(map->context, map->depth.texels);
-    shb_free(map->context, map->used);
+    shb_free(map->context, map->marks);
     shb_occluders_destroy(map);
     shb_lists_destroy(map->lists);
     shb_free(map->context, map);
 }
 
+size_t shb_map_marks_size(const shb_map *map) {
+    return shb_clear_marks_size(map->info.width, map->info.height);
+}
+
 size_t shb_map_depth_bytes(const shb_map *map) {
-    return map->depth.stride * map->info.height + shb_used_count(map->info.width, map->info.height);
+    return map->depth.stride * map->info.height + shb_map_marks_size(map);
 }
 
 const shb_sheets *shb_map_sheets(const shb_map *map) {

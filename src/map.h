@@ -90,7 +90,7 @@ struct shb_map {
     shb_prepared prepared[SHB_PREPARED_MAX];
     int prepared_count;
     shb_depth_image depth;
-    uint8_t *used; /* what is not clear of depths and occluders' texels, see draw.h */
+    void *marks; /* where depths and occluders' texels are clear, see shb_clear_marks_size */
     bool owned; /* texels were allocated by the map */
     bool empty; /* owned and not drawn yet: serves every method */
     bool classifies;
@@ -107,7 +107,10 @@ static inline bool shb_map_keeps_sheets(const shb_map *map) {
     return map->classifies && map->info.occluders != SHB_OCCLUDERS_LISTS;
 }
 
-/* Of the depths of a map that owns them, and of what is known of them. */
+/* Of the marks of a map that owns its depths. */
+size_t shb_map_marks_size(const shb_map *map);
+
+/* Of the depths of a map that owns them, and of their marks. */
 size_t shb_map_depth_bytes(const shb_map *map);
 
 /* Makes the map hold what the method draws into it. */

@@ -9,7 +9,6 @@
 
 #include <time.h>
 
-#include "cells.h"
 #include "draw.h"
 #include "format.h"
 #include "lists.h"
@@ -46,7 +45,7 @@ static void replace_nan(size_t count, float value, float *depths) {
 
 static void combine_rows(shb_map *map, const shb_bias *bias, const layers *drawn) {
     const size_t width = map->info.width;
-    shb_used_forget(map->used, width, map->info.height);
+    memset(map->marks, 0, shb_map_marks_size(map));
     const bool reversed = map->info.view.reversed;
     for (uint32_t row = 0; row < map->info.height; row++) {
         float *nearest = drawn->nearest + row * width;
@@ -112,6 +111,8 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
                           .width = map->info.width,
                           .height = map->info.height,
                           .depth = map->depth,
+                          .clear_marks = map->marks,
+                          .clear_marks_size = shb_map_marks_size(map),
                           .flip_culling = bias && (bias->needs & SHB_NEEDS_FLIPPED)};
     const bool combines = bias && bias->combine;
     layers drawn = {0};
@@ -122,6 +123,7 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
                             (unsigned)map->info.width, (unsigned)map->info.height);
         desc.depth = (shb_depth_image){.texels = drawn.nearest};
         desc.second = (shb_depth_image){.texels = drawn.second};
+        desc.clear_marks = NULL;
     }
     shb_occluder_data occluders = {0};
     const bool keeps = keeps_occluders(map, bias);
@@ -147,8 +149,8 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
         desc.id_stride = occluders.stride;
     }
     const bool draws_planes = keeps_texels && map->info.occluders == SHB_OCCLUDERS_PLANES;
-    result = shb_draw_planes(map->context, &desc, draws_planes ? &occluders.drawn.finder : NULL,
-                             combines ? NULL : map->used, stats);
+    result =
+        shb_draw_planes(map->context, &desc, draws_planes ? &occluders.drawn.finder : NULL, stats);
     if (result != SHB_OK) {
         if (prepares)
             shb_occluders_release(map, &occluders);

@@ -28,7 +28,7 @@ typedef struct shb_target {
     double half_width, half_height;
     shb_samples samples;                   /* all of the target's */
     const struct shb_plane_finder *planes; /* slopes are drawn in place of ids; NULL: ids are */
-    uint8_t *used; /* what is not clear in each cell (cells.h); NULL: not known */
+    uint8_t *marks; /* where the images are clear (marks.h); NULL: not known */
 } shb_target;
 
 /* A triangle, or what clipping left of it. */

@@ -161,7 +161,9 @@ TEST(a_cluster_behind_another_one_is_looked_at_only_to_be_counted) {
     float *cells = calloc(shb_cells_count(SIZE, SIZE), sizeof *cells);
     const shb_layers layers = {
         .samples = l->target.samples, .pitch = SIZE, .nearest = depth, .cells = cells};
-    shb_tile tile = shb_layers_tile(&layers, &l->target, false, false);
+    const shb_draw_desc desc = {
+        .view = &l->view, .width = SIZE, .height = SIZE, .depth = {.texels = depth}};
+    shb_tile tile = shb_layers_tile(&layers, &desc, &l->target, false);
     if (kernels) {
         CHECK_INT(l->count, 2);
         CHECK_INT(kernels->draw(&l->chunks[0], &tile), 128);

@@ -9,21 +9,6 @@
 
 #include <string.h>
 
-/* Some triangles near one place, of a size of their own; those near the light of a spot are cut. */
-static void add_patch(soup *s, test_random *random) {
-    const double x = random_double(random, -1, 1), y = random_double(random, -1, 1);
-    const double z = random_double(random, -2, 3.5), size = random_double(random, 0.01, 0.8);
-    for (uint32_t i = random_below(random, 3) ? 20 : 400; i > 0; i--) {
-        float corners[3][3];
-        for (int k = 0; k < 3; k++) {
-            corners[k][0] = (float)(x + random_double(random, -size, size));
-            corners[k][1] = (float)(y + random_double(random, -size, size));
-            corners[k][2] = (float)(z + random_double(random, -size, size));
-        }
-        soup_add(s, corners[0], corners[1], corners[2]);
-    }
-}
-
 /* True if both maps hold the same. */
 static bool are_equal(const shb_map *a, const shb_map *b) {
     const shb_map_info *info = &a->info;
@@ -54,7 +39,7 @@ static void draw_again(shb_context *context, const shb_map_desc *desc, shb_map *
     const shb_bias *bias = &methods[random_below(random, 8) < 6 ? 0 : random_below(random, 3)];
     soup s = {0};
     for (uint32_t i = random_below(random, 12); i > 0; i--)
-        add_patch(&s, random);
+        soup_add_patch(&s, random);
     soup_scene(&s);
     shb_clusters *clusters = NULL;
     if (s.count > 0 && random_below(random, 2))

@@ -111,6 +111,22 @@ TEST(wrong_fields_are_refused_by_name) {
     CHECK_REFUSED(view.clip_from_world.m[0], HUGE_VAL, SHB_ERROR_NUMBER, "desc.view");
 }
 
+TEST(marks_of_another_size_are_refused) {
+    CHECK_INT(shb_clear_marks_size(0, HEIGHT), 0);
+    CHECK_INT(shb_clear_marks_size(WIDTH, SHB_SIZE_MAX + 1), 0);
+    const size_t size = shb_clear_marks_size(WIDTH, HEIGHT);
+    char *marks = calloc(1, size);
+    for (int off = -1; off <= 1; off += 2) {
+        drawing *d = make_drawing();
+        d->desc.clear_marks = marks;
+        d->desc.clear_marks_size = size + (size_t)off;
+        check_refused(d, SHB_ERROR_SIZE, "desc.clear_marks_size");
+    }
+    for (size_t i = 0; i < size; i++)
+        CHECK_INT(marks[i], 0);
+    free(marks);
+}
+
 TEST(wrong_scenes_are_refused) {
     CHECK_REFUSED(scene.instances, NULL, SHB_ERROR_ARGUMENT, "desc.scene");
     CHECK_REFUSED(instance.mesh, NULL, SHB_ERROR_ARGUMENT, "desc.scene");

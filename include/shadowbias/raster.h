@@ -45,6 +45,8 @@ typedef struct shb_draw_desc {
     size_t id_stride;       /* bytes, a multiple of 4; 0: rows without gaps */
     bool flip_culling;      /* draw back faces of instances that cull back faces, and so on */
     uint32_t tile_size;     /* a power of two, 16 .. 512; 0: chosen. Results do not depend on it */
+    void *clear_marks; /* where the images are clear, see shb_clear_marks_size; NULL: unknown */
+    size_t clear_marks_size; /* its bytes */
 } shb_draw_desc;
 
 /* What became of the triangles. */
@@ -61,9 +63,21 @@ typedef struct shb_draw_stats {
  * SHB_ID_NONE; surfaces at or beyond the far depth are not seen. "Equal depth" means equal float32
  * depth, before a unorm format rounds it. Every texel of every wanted image is written; padding
  * between rows is not. Images may not overlap. stats may be NULL.
- * Errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE, SHB_ERROR_NUMBER (view or instance matrix not
- * finite), SHB_ERROR_MEMORY; images are untouched then. One call at a time for a context. */
+ * Errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE (of target, scene or clear_marks), SHB_ERROR_NUMBER
+ * (view or instance matrix not finite), SHB_ERROR_MEMORY; images are untouched then. One call at a
+ * time for a context. */
 shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_stats *stats);
+
+/* Bytes of the marks of a target, or 0 for a size that is no target's. With marks, images that are
+ * drawn again and again are cleared only where the drawing before drew in them: a byte for each 16
+ * by 16 samples, and what they were drawn with. They need no alignment. The host sets them to 0
+ * once, and again after anything but a drawing with these marks has written to one of the images; a
+ * drawing with other images, strides, formats, another size or a view that is reversed where the
+ * one before was not takes notice by itself and clears all. It pays where much of the images stays
+ * empty. All is cleared, as without marks, where a depth is not float32, strides differ, the
+ * width is no multiple of 16, or threads share a target of 2048 by 2048 samples or less between
+ * many small triangles. */
+size_t shb_clear_marks_size(uint32_t width, uint32_t height);
 
 /* Bytes of one texel of a format: 4 or 2; 0 for an unknown one. */
 size_t shb_format_size(shb_format format);

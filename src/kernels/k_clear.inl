@@ -19,42 +19,40 @@ static void fill_far(int32_t columns, int32_t rows, ptrdiff_t stride, float far_
             texels[i] = far_depth;
 }
 
-/* Clears layers of count cells of which the first one has this place in the tile. */
+/* Clears count cells of which the first one has this place in the tile. known: the images are clear
+ * there. */
 static void clear_layers(const shb_tile *tile, int32_t column, int32_t row, int32_t count,
-                         uint8_t layers) {
+                         bool known) {
     const int32_t x = column * SHB_CELL, y = row * SHB_CELL;
     const int32_t columns = MIN(count * SHB_CELL, tile->x1 - tile->x0 - x);
     const int32_t rows = MIN(SHB_CELL, tile->y1 - tile->y0 - y);
     const ptrdiff_t at = y * tile->stride + x;
-    if (layers & SHB_USED_DEPTH)
+    if (!known || !tile->has_depth_image)
         fill_far(columns, rows, tile->stride, tile->far_depth, tile->depth + at);
-    if (tile->second)
+    if (tile->second && !known)
         fill_far(columns, rows, tile->stride, tile->far_depth, tile->second + at);
-    for (int32_t j = 0; layers & SHB_USED_IDS && j < rows; j++)
+    for (int32_t j = 0; tile->ids && !tile->planes && !known && j < rows; j++)
         memset(tile->ids + at + j * tile->stride, 0xff, (size_t)columns * sizeof *tile->ids);
 }
 
-/* The same where they are not clear. */
-static void clear_used(const shb_tile *tile, int32_t column, int32_t row, int32_t count,
-                       uint8_t layers) {
-    uint8_t *const used = tile->used + row * tile->used_stride + column;
+/* The same for cells that have marks, which are all clear then. */
+static void clear_marked(const shb_tile *tile, int32_t column, int32_t row, int32_t count) {
+    uint8_t *const marks = tile->marks + row * tile->marks_stride + column;
     for (int32_t i = 0, end; i < count; i = end) {
-        const uint8_t found = used[i] & layers;
-        for (end = i; end < count && (used[end] & layers) == found; end++)
-            used[end] &= (uint8_t)~layers;
-        if (found)
-            clear_layers(tile, column + i, row, end - i, found);
+        const uint8_t mark = marks[i];
+        for (end = i; end < count && marks[end] == mark; end++)
+            marks[end] = SHB_MARK_CLEAR;
+        clear_layers(tile, column + i, row, end - i, mark == SHB_MARK_CLEAR);
     }
 }
 
-/* Clears count cells of which the first one has this place in the tile. */
+/* The same with the bounds of the cells. */
 static void clear_cells(const shb_tile *tile, int32_t column, int32_t row, int32_t count) {
     const ptrdiff_t first = row * tile->cell_stride + column;
-    const uint8_t layers = tile->ids && !tile->planes ? SHB_USED_ALL : SHB_USED_DEPTH;
-    if (tile->used)
-        clear_used(tile, column, row, MIN(count, (int32_t)tile->used_stride - column), layers);
+    if (tile->marks)
+        clear_marked(tile, column, row, MIN(count, (tile->x1 - tile->x0) / SHB_CELL - column));
     else
-        clear_layers(tile, column, row, count, layers);
+        clear_layers(tile, column, row, count, false);
     fill_far(count, 1, 0, tile->far_depth, tile->cells + first);
     if (tile->second)
         fill_far(count, 1, 0, tile->far_depth, tile->second_cells + first);
@@ -83,9 +81,9 @@ static void clear_reached(const shb_tile *tile, const sample_rectangle *reached)
 /* The same for triangles that are to be drawn there. */
 static void reach(const shb_tile *tile, const sample_rectangle *reached) {
     clear_reached(tile, reached);
-    shb_mark_used(tile->used, tile->used_stride, tile->ids != NULL,
-                  &(shb_samples){reached->left - tile->x0, reached->top - tile->y0,
-                                 reached->right - 1 - tile->x0, reached->bottom - 1 - tile->y0});
+    shb_marks_draw(tile->marks, tile->marks_stride,
+                   &(shb_samples){reached->left - tile->x0, reached->top - tile->y0,
+                                  reached->right - 1 - tile->x0, reached->bottom - 1 - tile->y0});
 }
 
 static void clear(const shb_tile *tile) {

@@ -17,9 +17,8 @@
 /* Tiles keep a bound of the farthest depth in each square of so many samples. */
 #define SHB_CELL 16
 
-/* What is not clear in a cell: an image that is drawn again and again is cleared only where the
- * drawing before drew in it. */
-enum { SHB_USED_DEPTH = 1, SHB_USED_IDS = 2, SHB_USED_ALL = 3 };
+/* The mark of a cell whose images are clear, others are 0: see marks.h. */
+#define SHB_MARK_CLEAR 1
 
 /* The bound of a cell where nothing has been cleared. */
 #define SHB_NOT_CLEARED 4.0f
@@ -126,20 +125,19 @@ typedef struct shb_tile {
                             whole blocks of SHB_SMALL samples */
     float *second_cells; /* the same for the second layer */
     ptrdiff_t cell_stride;
-    uint8_t *used; /* as in the target, from the tile's first cell on */
-    ptrdiff_t used_stride;
+    uint8_t *marks; /* as in the target, from the tile's first cell on */
+    ptrdiff_t marks_stride;
+    bool has_depth_image; /* otherwise marks say nothing of the depth */
     int32_t x0, y0, right, x1, y1;
 } shb_tile;
 
-/* Marks the cells of samples, counted from the first cell on, that are drawn in. */
-static inline void shb_mark_used(uint8_t *used, ptrdiff_t stride, bool has_ids,
-                                 const shb_samples *samples) {
-    const uint8_t drawn = has_ids ? SHB_USED_ALL : SHB_USED_DEPTH;
+/* The cells of samples, counted from the first cell on, are drawn in. */
+static inline void shb_marks_draw(uint8_t *marks, ptrdiff_t stride, const shb_samples *samples) {
     const int32_t last_row = samples->last_row / SHB_CELL;
-    for (int32_t row = samples->first_row / SHB_CELL; used && row <= last_row; row++)
+    for (int32_t row = samples->first_row / SHB_CELL; marks && row <= last_row; row++)
         for (int32_t i = samples->first_column / SHB_CELL; i <= samples->last_column / SHB_CELL;
              i++)
-            used[row * stride + i] |= drawn;
+            marks[row * stride + i] = 0;
 }
 
 /* Tiles are 2^column_bits samples wide and 2^row_bits high. */

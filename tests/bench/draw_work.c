@@ -34,7 +34,9 @@ shb_result draw_work_create(shb_context *context, const shb_scene *scene, const 
     if (images == DRAW_DEPTH_SECOND)
         work->desc.second = (shb_depth_image){.texels = other, .stride = stride};
     work->desc.id_stride = stride;
-    if (first && (other || draw_work_pixel_bytes(images) <= 4))
+    work->desc.clear_marks_size = shb_clear_marks_size(width, height);
+    work->desc.clear_marks = calloc(1, work->desc.clear_marks_size);
+    if (work->desc.clear_marks && first && (other || draw_work_pixel_bytes(images) <= 4))
         return SHB_OK;
     draw_work_destroy(work);
     return SHB_ERROR_MEMORY;
@@ -44,5 +46,6 @@ void draw_work_destroy(draw_work *work) {
     free(work->desc.depth.texels);
     free(work->desc.second.texels);
     free(work->desc.ids);
+    free(work->desc.clear_marks);
     *work = (draw_work){0};
 }

@@ -67,6 +67,20 @@ void soup_add_ball(soup *s, const float center[3], uint32_t columns, uint32_t ro
         }
 }
 
+void soup_add_patch(soup *s, test_random *random) {
+    const double x = random_double(random, -1, 1), y = random_double(random, -1, 1);
+    const double z = random_double(random, -2, 3.5), size = random_double(random, 0.01, 0.8);
+    for (uint32_t i = random_below(random, 3) ? 20 : 400; i > 0; i--) {
+        float corners[3][3];
+        for (int k = 0; k < 3; k++) {
+            corners[k][0] = (float)(x + random_double(random, -size, size));
+            corners[k][1] = (float)(y + random_double(random, -size, size));
+            corners[k][2] = (float)(z + random_double(random, -size, size));
+        }
+        soup_add(s, corners[0], corners[1], corners[2]);
+    }
+}
+
 const shb_scene *soup_scene(soup *s) {
     s->mesh = (shb_mesh){
         .positions = s->positions, .vertex_count = 3 * s->count, .triangle_count = s->count};

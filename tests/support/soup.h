@@ -2,6 +2,7 @@
 #ifndef TESTS_SUPPORT_SOUP_H
 #define TESTS_SUPPORT_SOUP_H
 
+#include "random.h"
 #include "shadowbias/scene.h"
 
 typedef struct soup {
@@ -26,6 +27,10 @@ void soup_add_box(soup *s, const float lo[3], const float hi[3]);
  * a vertex, row by row, rows - 1 rows of columns and the two poles last; NULL: all 1. */
 void soup_add_ball(soup *s, const float center[3], uint32_t columns, uint32_t rows,
                    const double *radii);
+
+/* 20 or 400 triangles near one place of what the views of probe.h see, of a size of their own;
+ * those near the light of a spot are cut. */
+void soup_add_patch(soup *s, test_random *random);
 
 /* The scene; valid until the next change. */
 const shb_scene *soup_scene(soup *s);
