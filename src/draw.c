@@ -139,7 +139,7 @@ shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
         shb_marks_forget(target.marks, desc->width, desc->height);
     shb_geometry geometry = {0};
     shb_draw_stats counted;
-    if (!shb_geometry_prepare(context, desc, &geometry) ||
+    if (!shb_geometry_prepare(context, desc, &target, &geometry) ||
         !(context->kernels ? draw_chunks : draw_scalar)(context, desc, &geometry, &target,
                                                         stats ? &counted : NULL))
         return shb_fail(

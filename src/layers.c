@@ -50,19 +50,34 @@ static void draw_run(const shb_layers *layers, const shb_plane *plane, const shb
     merge_depths(count, z, layers->nearest + at);
 }
 
-/* Slopes of the triangle's own plane, which is what is drawn. */
+/* The bound of the shape's own plane. */
+static double bound_of(const shb_corner_errors *errors, const shb_shape *shape,
+                       const shb_plane *plane, int32_t width, int32_t height) {
+    const double *x = shape->X, *y = shape->Y, *z = shape->Z;
+    const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+    const double farther = z[1] > z[2] ? z[1] : z[2], hi = z[0] > farther ? z[0] : farther;
+    return shape->is_cut
+               ? HUGE_VAL
+               : shb_plane_bound(errors, area, plane->lo, hi, width, height, plane->gx, plane->gy);
+}
+
+/* Makes the triangle's plane what is drawn of it, and returns its slopes. */
 static uint32_t take_plane(const shb_plane_finder *finder, const shb_draw_instance *instance,
-                           const shb_samples *box, uint32_t id, shb_plane *plane) {
-    shb_plane_corners corners;
-    shb_found_planes planes;
-    shb_plane_corners_set(&corners, 0, instance->mesh, (uint32_t)(id - instance->first_triangle));
-    finder->find(finder, instance, 1, &corners, &planes);
-    const shb_occluder_plane found = {planes.z[0], planes.slope_x[0], planes.slope_y[0],
-                                      planes.error[0]};
-    shb_plane_raise(&found, box->first_column, box->first_row,
-                    box->last_column - box->first_column + 1, box->last_row - box->first_row + 1,
-                    plane);
-    return shb_halves_of(found.slope_x / finder->slope_unit, found.slope_y / finder->slope_unit);
+                           const shb_shape *shape, uint32_t id, shb_plane *plane) {
+    const shb_samples *box = &shape->samples;
+    const int32_t width = box->last_column - box->first_column + 1;
+    const int32_t height = box->last_row - box->first_row + 1;
+    double bound = bound_of(&instance->corner_errors, shape, plane, width, height);
+    if (bound == HUGE_VAL) {
+        shb_plane_corners corners;
+        shb_found_planes found;
+        shb_plane_corners_set(&corners, 0, instance->mesh,
+                              (uint32_t)(id - instance->first_triangle));
+        finder->find(finder, instance, 1, &corners, &found);
+        bound = shb_plane_take(&found, 0, box->first_column, box->first_row, plane);
+    }
+    shb_plane_raise(bound, width, height, plane);
+    return shb_halves_of(plane->gx / finder->slope_unit, plane->gy / finder->slope_unit);
 }
 
 void shb_layers_draw(const shb_layers *layers, const shb_target *target,
@@ -72,7 +87,7 @@ void shb_layers_draw(const shb_layers *layers, const shb_target *target,
         return;
     shb_plane plane = shb_plane_of(target, shape);
     if (target->planes)
-        id = take_plane(target->planes, instance, &shape->samples, id, &plane);
+        id = take_plane(target->planes, instance, shape, id, &plane);
     const shb_cover cover = shb_cover_of(shape, box);
     for (int32_t row = box.first_row; row <= box.last_row; row++) {
         shb_run runs[SHB_RUNS_MAX];

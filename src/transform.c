@@ -3,6 +3,7 @@
 #include "transform.h"
 
 #include "clusters.h"
+#include "corner_errors.h"
 #include "scene.h"
 #include "scratch.h"
 
@@ -41,8 +42,9 @@ static bool are_few(const shb_draw_desc *desc) {
 }
 
 /* The scalar code draws meshes alone. So do the kernels a few large triangles, which are sorted. */
-static void collect_instances(const shb_draw_desc *desc, bool with_kernels,
-                              shb_draw_instance *instances, shb_geometry *geometry) {
+static void collect_instances(const shb_draw_desc *desc, const shb_target *target,
+                              bool with_kernels, shb_draw_instance *instances,
+                              shb_geometry *geometry) {
     *geometry = (shb_geometry){.instances = instances, .few = are_few(desc)};
     const bool with_clusters = with_kernels && !geometry->few;
     const shb_mat4 still = shb_mat4_identity();
@@ -58,6 +60,8 @@ static void collect_instances(const shb_draw_desc *desc, bool with_kernels,
         drawn->moves = memcmp(&world_from_mesh, &still, sizeof still) != 0;
         drawn->clip_from_mesh = canonical_clip_from_mesh(desc->view, &world_from_mesh);
         drawn->affine = is_affine(&drawn->clip_from_mesh);
+        if (target->planes)
+            drawn->corner_errors = shb_corner_errors_of(target, desc->view, drawn);
         drawn->first_vertex = geometry->vertex_count;
         drawn->first_cluster = geometry->cluster_count;
         drawn->first_triangle = geometry->triangle_count;
@@ -74,12 +78,13 @@ static void transform_vertex(const double m[16], const float *p, double v[4]) {
         v[row] = ((m[row] * x + m[4 + row] * y) + m[8 + row] * z) + m[12 + row];
 }
 
-bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_geometry *geometry) {
+bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, const shb_target *target,
+                          shb_geometry *geometry) {
     shb_buffer *scratch = context->draw_scratch;
     if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_INSTANCES], desc->scene->instance_count,
                             sizeof(shb_draw_instance)))
         return false;
-    collect_instances(desc, context->kernels != NULL, scratch[SHB_SCRATCH_INSTANCES].data,
+    collect_instances(desc, target, context->kernels != NULL, scratch[SHB_SCRATCH_INSTANCES].data,
                       geometry);
     return true;
 }

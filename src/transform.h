@@ -16,6 +16,12 @@ typedef struct shb_clip_position {
     double v[4];
 } shb_clip_position;
 
+/* What a usable corner's window coordinates may be off by: pixels, and depth by z and by z_part of
+ * its size. Not below any of it; infinite or NaN where nothing is known. */
+typedef struct shb_corner_errors {
+    double x, y, z, z_part;
+} shb_corner_errors;
+
 /* An instance that has triangles. Its vertices, triangles and clusters are runs of the drawing's
  * ones. */
 typedef struct shb_draw_instance {
@@ -25,6 +31,7 @@ typedef struct shb_draw_instance {
     shb_mat4 world_from_mesh, clip_from_mesh;
     bool moves;  /* the mesh is not in the world as it is */
     bool affine; /* w is 1 */
+    shb_corner_errors corner_errors; /* where planes are drawn */
     uint64_t first_vertex;
     uint64_t first_triangle; /* its id */
     uint64_t first_cluster;
@@ -42,8 +49,11 @@ typedef struct shb_geometry {
     bool few; /* a few triangles that may be large ones, one over the other */
 } shb_geometry;
 
+struct shb_target;
+
 /* Lists the instances of a checked scene in the context's scratch; false: out of memory. */
-bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, shb_geometry *geometry);
+bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc,
+                          const struct shb_target *target, shb_geometry *geometry);
 
 /* The instance of a triangle; the id must be below the triangle count. */
 const shb_draw_instance *shb_geometry_instance(const shb_geometry *geometry, uint64_t id);

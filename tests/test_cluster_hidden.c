@@ -134,7 +134,7 @@ static listed_layers *list_layers(soup *s) {
     l->target = shb_target_of(SIZE, SIZE, false);
     const shb_draw_desc desc = {
         .scene = &l->scene, .view = &l->view, .width = SIZE, .height = SIZE};
-    CHECK(shb_geometry_prepare(l->context, &desc, &l->geometry));
+    CHECK(shb_geometry_prepare(l->context, &desc, &l->target, &l->geometry));
     l->chunks = calloc(l->clusters->count, sizeof *l->chunks);
     bool doubtful = false;
     CHECK(shb_clusters_list(l->context, &l->geometry, &l->target, l->chunks, &l->count, &doubtful));

@@ -1,7 +1,9 @@
 /* The bound that takes the place of every epsilon: random triangles, points on them and lights. The
  * truth comes from a plane solved in more than twice the precision. */
+#include "../src/corner_errors.h"
 #include "../src/exact.h"
 #include "../src/map.h"
+#include "../src/matrix.h"
 #include "oracle.h"
 #include "random.h"
 #include "soup.h"
@@ -234,4 +236,129 @@ TEST(no_triangle_shadows_itself_in_any_format) {
                asked);
     if (getenv("SHB_BOUND_SAMPLES"))
         printf("%ld points on drawn triangles, %ld in their own shadow\n", asked, shadowed);
+}
+
+/* The light's target, and an instance whose transform leaves its triangles where they were in the
+ * world, but for the rounding of their positions to floats. */
+typedef struct bound_window {
+    shb_target target;
+    shb_draw_instance instance;
+    shb_mesh mesh;
+    float positions[9];
+} bound_window;
+
+static void open_window(bound_window *window, const bound_light *light, test_random *random,
+                        const float corners[3][3]) {
+    const shb_map_info *info = &light->map->info;
+    const double scale = random_double(random, 0.5, 4), shear = random_double(random, -2, 2);
+    const shb_vec3 move = shb_vec3_scale(random_direction(random), random_double(random, 0, 100));
+    *window =
+        (bound_window){.target = shb_target_of(info->width, info->height, info->view.reversed)};
+    for (int k = 0; k < 3; k++) {
+        float *p = &window->positions[3 * k];
+        p[1] = (float)(((double)corners[k][1] - move.y) / scale);
+        p[2] = (float)(((double)corners[k][2] - move.z) / scale);
+        p[0] = (float)(((double)corners[k][0] - move.x - shear * (double)p[1]) / scale);
+    }
+    window->mesh =
+        (shb_mesh){.positions = window->positions, .vertex_count = 3, .triangle_count = 1};
+    shb_draw_instance *instance = &window->instance;
+    *instance = (shb_draw_instance){.mesh = &window->mesh,
+                                    .world_from_mesh = {{scale, 0, 0, 0, shear, scale, 0, 0, 0, 0,
+                                                         scale, 0, move.x, move.y, move.z, 1}},
+                                    .keep_positive = true,
+                                    .keep_negative = true};
+    instance->clip_from_mesh =
+        shb_mat4_multiply(info->view.clip_from_world, instance->world_from_mesh);
+    for (int column = 0; column < 4 && info->view.reversed; column++)
+        instance->clip_from_mesh.m[4 * column + 2] *= -1;
+    const double *m = instance->clip_from_mesh.m;
+    instance->affine = m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1;
+    instance->corner_errors = shb_corner_errors_of(&window->target, &info->view, instance);
+}
+
+/* Map coordinates of a corner, the transform in oracle precision, too. */
+static void project_corner(const bound_window *window, const shb_light_rows *rows, int k,
+                           oracle_real out[3]) {
+    const double *m = window->instance.world_from_mesh.m;
+    const float *p = &window->positions[3 * k];
+    const double *const all[4] = {rows->x, rows->y, rows->z, rows->w};
+    oracle_real world[3], sums[4];
+    for (int i = 0; i < 3; i++)
+        world[i] = oracle_exact(m[i]) * oracle_exact((double)p[0]) +
+                   oracle_exact(m[4 + i]) * oracle_exact((double)p[1]) +
+                   oracle_exact(m[8 + i]) * oracle_exact((double)p[2]) + oracle_exact(m[12 + i]);
+    for (int i = 0; i < 4; i++)
+        sums[i] = oracle_exact(all[i][0]) * world[0] + oracle_exact(all[i][1]) * world[1] +
+                  oracle_exact(all[i][2]) * world[2] + oracle_exact(all[i][3]);
+    for (int i = 0; i < 3; i++)
+        out[i] = sums[i] / sums[3];
+}
+
+/* How far the plane through the triangle's window corners misses the true one up to a texel beyond
+ * its box, over the bound; -1 for a triangle that is not drawn, -2 for one without a bound. */
+static double miss_in_window(const bound_light *light, test_random *random,
+                             const float corners[3][3]) {
+    bound_window window;
+    shb_clip_position clip[3];
+    shb_shape shape;
+    open_window(&window, light, random, corners);
+    shb_geometry_corners(&window.instance, 0, clip);
+    if (shb_shape_prepare(&window.target, &window.instance, clip, &shape) != SHB_OUTCOME_DRAWN ||
+        shape.is_cut)
+        return -1;
+    const shb_plane plane = shb_plane_of(&window.target, &shape);
+    const double *x = shape.X, *y = shape.Y;
+    const int32_t width = shape.samples.last_column - shape.samples.first_column + 1;
+    const int32_t height = shape.samples.last_row - shape.samples.first_row + 1;
+    const double bound = shb_plane_bound(
+        &window.instance.corner_errors,
+        (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]), plane.lo,
+        fmax(shape.Z[0], fmax(shape.Z[1], shape.Z[2])), width, height, plane.gx, plane.gy);
+    if (bound == HUGE_VAL)
+        return -2;
+    oracle_real places[3][3];
+    for (int k = 0; k < 3; k++)
+        project_corner(&window, &light->map->rows, k, places[k]);
+    double largest = 0;
+    for (int i = 0; i < 4; i++) {
+        const double at_x = random_double(random, fmin(x[0], fmin(x[1], x[2])) - 1,
+                                          fmax(x[0], fmax(x[1], x[2])) + 1);
+        const double at_y = random_double(random, fmin(y[0], fmin(y[1], y[2])) - 1,
+                                          fmax(y[0], fmax(y[1], y[2])) + 1);
+        const oracle_real depth =
+            oracle_exact(plane.z0) +
+            oracle_exact(plane.gx) * (oracle_exact(at_x) - shape.samples.first_column - 0.5) +
+            oracle_exact(plane.gy) * (oracle_exact(at_y) - shape.samples.first_row - 0.5);
+        const double off = fabs((double)(depth - plane_depth(places, at_x, at_y)));
+        largest = fmax(largest, off / bound);
+    }
+    return largest;
+}
+
+TEST(no_plane_through_window_corners_misses_its_triangle_by_more_than_the_bound) {
+    const long samples = wanted_samples(100000);
+    test_random random = {13};
+    double largest = 0;
+    long tested = 0, violations = 0, unknown = 0;
+    for (int lights = 0; lights < 48; lights++) {
+        bound_light light;
+        open_light(&light, &random, lights % 3, offsets[lights / 3 % 4], SHB_FORMAT_FLOAT32);
+        for (long i = 0; i < samples / 48; i++) {
+            float corners[3][3];
+            random_corners(&random, &light, corners);
+            const double ratio = miss_in_window(&light, &random, (const float(*)[3])corners);
+            tested += ratio >= 0;
+            violations += ratio > 1;
+            unknown += ratio < -1;
+            largest = ratio > largest ? ratio : largest;
+        }
+        close_light(&light);
+    }
+    test_check(violations == 0, __FILE__, __LINE__, "%ld of %ld beyond the bound, up to %g",
+               violations, tested, largest);
+    if (getenv("SHB_BOUND_SAMPLES"))
+        printf("%ld planes in windows, at most %g of the bound, %ld without one\n", tested, largest,
+               unknown);
+    CHECK(tested > samples / 64 && unknown > samples / 32);
 }

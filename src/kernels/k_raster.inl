@@ -228,34 +228,62 @@ static void list_corners(const shb_chunk *chunk, uint32_t triangle, size_t lane,
     }
 }
 
-/* From the first lanes, without gaps, to those that are kept; other lanes repeat some plane. */
-static void spread_planes(int lanes, uint32_t count, const chunk_boxes *boxes,
-                          shb_found_planes *planes) {
-    uint32_t from = count;
-    for (int t = lanes - 1; t >= 0; t--) {
-        from -= (uint32_t)boxes->kept[t];
-        const uint32_t at = from < count ? from : count - 1;
-        planes->z[t] = planes->z[at];
-        planes->slope_x[t] = planes->slope_x[at];
-        planes->slope_y[t] = planes->slope_y[at];
-        planes->error[t] = planes->error[at];
+/* The bounds of the triangles' own planes. */
+static void bound_planes(int count, const shb_corner_errors *errors,
+                         const chunk_corners *restrict corners, const chunk_boxes *restrict boxes,
+                         const chunk_planes *restrict planes, double *restrict bounds) {
+    const shb_corner_errors off = *errors;
+    for (int t = 0; t < lanes_of(count); t++) {
+        const double x0 = corners->x[0][t], y0 = corners->y[0][t];
+        const double dx1 = corners->x[1][t] - x0, dx2 = corners->x[2][t] - x0;
+        const double dy1 = corners->y[1][t] - y0, dy2 = corners->y[2][t] - y0;
+        const double z0 = corners->z[0][t], z1 = corners->z[1][t], z2 = corners->z[2][t];
+        bounds[t] = shb_plane_bound(&off, dx1 * dy2 - dx2 * dy1, planes->lo[t],
+                                    MAX(z0, MAX(z1, z2)), boxes->width[t], boxes->height[t],
+                                    planes->step_x[t], planes->step_y[t]);
     }
 }
 
-/* Makes the planes found what is drawn, and the slopes what is drawn for ids. */
-static void raise_planes(int count, const shb_found_planes *restrict found, double slope_scale,
-                         const chunk_boxes *restrict boxes, chunk_planes *restrict planes,
-                         uint32_t *restrict slopes) {
-    for (int t = 0; t < lanes_of(count); t++) {
-        const shb_occluder_plane own = {found->z[t], found->slope_x[t], found->slope_y[t],
-                                        found->error[t]};
-        shb_plane plane = {
-            .lo = planes->lo[t], .hi = planes->hi[t], .is_plain = planes->plain[t] != 0};
-        shb_plane_raise(&own, boxes->x[t], boxes->y[t], boxes->width[t], boxes->height[t], &plane);
-        slopes[t] = shb_halves_of(own.slope_x * slope_scale, own.slope_y * slope_scale);
+/* Takes the planes of kept triangles whose own ones are not good enough. */
+static void replace_planes(const shb_chunk *chunk, const shb_plane_finder *finder, int count,
+                           const int32_t *list, const chunk_boxes *boxes, chunk_planes *planes,
+                           double *bounds) {
+    shb_plane_corners corners;
+    shb_found_planes found;
+    uint8_t lanes[SHB_CHUNK];
+    uint32_t doubtful = 0;
+    for (int t = 0; t < count; t++)
+        if (boxes->kept[t] && bounds[t] == HUGE_VAL) {
+            list_corners(chunk, (uint32_t)(list ? list[t] : t), doubtful, &corners);
+            lanes[doubtful++] = (uint8_t)t;
+        }
+    if (doubtful == 0)
+        return;
+    finder->find(finder, chunk->instance, doubtful, &corners, &found);
+    for (uint32_t i = 0; i < doubtful; i++) {
+        shb_plane plane;
+        const uint8_t t = lanes[i];
+        bounds[t] = shb_plane_take(&found, i, boxes->x[t], boxes->y[t], &plane);
         planes->base[t] = plane.z0;
         planes->step_x[t] = plane.gx;
         planes->step_y[t] = plane.gy;
+    }
+}
+
+/* Makes planes what is drawn, and the slopes what is drawn for ids. */
+static void raise_planes(int count, const double *restrict bounds, double slope_scale,
+                         const chunk_boxes *restrict boxes, chunk_planes *restrict planes,
+                         uint32_t *restrict slopes) {
+    for (int t = 0; t < lanes_of(count); t++) {
+        shb_plane plane = {.z0 = planes->base[t],
+                           .gx = planes->step_x[t],
+                           .gy = planes->step_y[t],
+                           .lo = planes->lo[t],
+                           .hi = planes->hi[t],
+                           .is_plain = planes->plain[t] != 0};
+        shb_plane_raise(bounds[t], boxes->width[t], boxes->height[t], &plane);
+        slopes[t] = shb_halves_of(plane.gx * slope_scale, plane.gy * slope_scale);
+        planes->base[t] = plane.z0;
         planes->hi[t] = plane.hi;
         planes->plain[t] = plane.is_plain;
         planes->anchor[t] = (float)plane.z0;
@@ -266,18 +294,14 @@ static void raise_planes(int count, const shb_found_planes *restrict found, doub
 }
 
 /* What a map that keeps planes holds of the kept triangles. */
-static void take_planes(const shb_chunk *chunk, const shb_plane_finder *finder, int listed,
-                        const int32_t *list, const chunk_boxes *boxes, chunk_planes *planes,
+static void take_planes(const shb_chunk *chunk, const shb_plane_finder *finder, int count,
+                        const int32_t *list, const chunk_corners *corners,
+                        const chunk_boxes *boxes, chunk_planes *planes,
                         uint32_t slopes[SHB_CHUNK]) {
-    shb_plane_corners corners;
-    shb_found_planes found;
-    uint32_t count = 0;
-    for (int t = 0; t < listed; t++)
-        if (boxes->kept[t])
-            list_corners(chunk, (uint32_t)(list ? list[t] : t), count++, &corners);
-    finder->find(finder, chunk->instance, count, &corners, &found);
-    spread_planes(lanes_of(listed), count, boxes, &found);
-    raise_planes(listed, &found, 1 / finder->slope_unit, boxes, planes, slopes);
+    SHB_ALIGN double bounds[SHB_CHUNK];
+    bound_planes(count, &chunk->instance->corner_errors, corners, boxes, planes, bounds);
+    replace_planes(chunk, finder, count, list, boxes, planes, bounds);
+    raise_planes(count, bounds, 1 / finder->slope_unit, boxes, planes, slopes);
 }
 
 /* Draws what has been looked at. */
@@ -291,7 +315,7 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, int count
                        (tile->ids && tile->planes ? LAYER_PLANES : 0);
     set_up_depths(count, corners, boxes, planes);
     if (layers & LAYER_PLANES)
-        take_planes(chunk, tile->planes, count, list, boxes, planes, ids);
+        take_planes(chunk, tile->planes, count, list, corners, boxes, planes, ids);
     else if (layers & LAYER_IDS)
         find_ids(chunk, count, list, ids);
     else
