@@ -49,6 +49,13 @@ typedef struct shb_occluder_plane {
     double z, slope_x, slope_y, error;
 } shb_occluder_plane;
 
+/* The same plane in the world: normal . P + offset is how far P lies behind it as the light sees
+ * it, in units of what the plane's own numbers may be off by near the triangle. offset is NaN where
+ * the plane is not to be used. */
+typedef struct shb_world_plane {
+    double normal[3], offset;
+} shb_world_plane;
+
 /* Planes are found for up to so many triangles at a time, in vectors that are no wider than
  * SHB_PLANE_VECTOR. */
 #define SHB_PLANE_LANES 128
@@ -64,6 +71,11 @@ typedef struct shb_found_planes {
     SHB_ALIGN double z[SHB_PLANE_LANES];
     double slope_x[SHB_PLANE_LANES], slope_y[SHB_PLANE_LANES], error[SHB_PLANE_LANES];
 } shb_found_planes;
+
+typedef struct shb_found_world_planes {
+    SHB_ALIGN double normal[3][SHB_PLANE_LANES];
+    double offset[SHB_PLANE_LANES];
+} shb_found_world_planes;
 
 /* What tells the rasterizer the planes of an instance's triangles. */
 typedef struct shb_plane_finder {

@@ -29,35 +29,31 @@ typedef enum hit { HIT_NONE, HIT_BEHIND, HIT_OWN, HIT_IN_FRONT } hit;
 typedef struct asking {
     const shb_map *map;
     const shb_receivers *receivers;
+    double rounding; /* of positions, as in light_point.h */
     const shb_walk_group *group;
-    size_t i;
+    size_t i, number; /* in the group, and among the receivers */
 } asking;
 
 static void place_of(const asking *a, double at[2]) {
-    at[0] = a->group->at.x[a->i];
-    at[1] = a->group->at.y[a->i];
+    at[0] = a->group->x[a->i];
+    at[1] = a->group->y[a->i];
 }
 
-/* The vectors C - slope_x A - slope_y B of (1) have Tz - slope_x Tx - slope_y Ty - (Z - slope_x X -
- * slope_y Y) Tw. */
+/* Rounding moves the point by no more than its part of each coordinate, and so over the plane by
+ * the sum of these times the normal's elements. */
 static hit compare_depth(const asking *a, uint32_t triangle) {
-    const shb_walk_group *g = a->group;
-    const size_t i = a->i;
-    const shb_occluder_plane *plane = &a->map->occluders.planes[triangle];
-    const shb_light_rows *rows = &a->map->rows;
-    const double slope_x = plane->slope_x, slope_y = plane->slope_y, z = g->at.depth[i];
-    const double behind = z - shb_occluder_depth(plane, g->at.x[i], g->at.y[i]);
-    const double at_origin = (z - slope_x * g->at.x[i]) - slope_y * g->at.y[i];
-    double error = plane->error +
-                   (g->error_z[i] + fabs(slope_x) * g->error_x[i] + fabs(slope_y) * g->error_y[i]);
+    const shb_world_plane *plane = &a->map->occluders.world_planes[triangle];
+    double parts[3];
     for (int k = 0; k < 3; k++)
-        error += fabs((rows->z[k] - at_origin * rows->w[k]) -
-                      (slope_x * rows->x[k] + slope_y * rows->y[k])) *
-                 g->by_position[k][i];
-    return !(error < HUGE_VAL) ? HIT_NONE
-           : behind > error    ? HIT_IN_FRONT
-           : behind >= -error  ? HIT_OWN
-                               : HIT_BEHIND;
+        parts[k] = plane->normal[k] * a->group->world[k][a->i];
+    const double behind = ((parts[0] + parts[1]) + parts[2]) + plane->offset;
+    const double error =
+        (a->rounding + SHB_PLANE_ROUNDING) * ((fabs(parts[0]) + fabs(parts[1])) + fabs(parts[2])) +
+        1;
+    return isnan(behind)      ? HIT_NONE
+           : behind > error   ? HIT_IN_FRONT
+           : behind >= -error ? HIT_OWN
+                              : HIT_BEHIND;
 }
 
 static hit hit_of(const asking *a, uint32_t triangle) {
@@ -83,10 +79,14 @@ typedef struct sheet_way {
     hit hit;
 } sheet_way;
 
-static void place_sample(const asking *a, int k, double at[2]) {
-    const shb_walk_group *g = a->group;
-    at[0] = g->at.column[a->i] + (k & 1 ? g->beside[a->i] : 0) + 0.5;
-    at[1] = g->at.row[a->i] + (k & 2 ? g->above[a->i] : 0) + 0.5;
+/* The centre of the texel of sample k. */
+static void place_sample(const asking *a, int k, double center[2]) {
+    double to[2];
+    place_of(a, to);
+    for (int axis = 0; axis < 2; axis++) {
+        const double own = floor(to[axis]), other = to[axis] - own < 0.5 ? -1 : 1;
+        center[axis] = own + (k & 1 << axis ? other : 0) + 0.5;
+    }
 }
 
 /* A triangle that is the fragment's surface, and those that its sheet goes on with. */
@@ -132,17 +132,18 @@ static void go(const asking *a, const surroundings *near, int steps, sheet_way *
 static bool is_shadowed_by_planes(const asking *a) {
     const shb_map *map = a->map;
     const shb_receivers *r = a->receivers;
-    const size_t i = a->group->numbers[a->i];
-    const int32_t column = a->group->at.column[a->i], row = a->group->at.row[a->i];
+    const size_t i = a->number;
     const shb_occluder_plane *plane = &map->occluders.planes[a->group->samples[0][a->i]];
     const double position[3] = {(double)r->x[i], (double)r->y[i], (double)r->z[i]};
     const double normal[3] = {(double)r->normal_x[i], (double)r->normal_y[i],
                               (double)r->normal_z[i]};
-    const double x = column + 0.5, y = row + 0.5;
+    double center[2];
+    place_sample(a, 0, center);
     const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
-    const shb_exact_sample sample = {.center_x = x,
-                                     .center_y = y,
-                                     .depth = shb_occluder_depth(plane, x, y) + plane->error,
+    const shb_exact_sample sample = {.center_x = center[0],
+                                     .center_y = center[1],
+                                     .depth = shb_occluder_depth(plane, center[0], center[1]) +
+                                              plane->error,
                                      .slope_x = plane->slope_x,
                                      .slope_y = plane->slope_y};
     return shb_exact_is_shadowed(&fragment, &sample);
@@ -220,25 +221,25 @@ static bool is_shadowed(const asking *a) {
     return !is_plain && walks_meet_shadow(a, count, ways);
 }
 
-/* Point i of a group joins another. */
-static void keep_open(const shb_walk_group *from, size_t i, shb_walk_group *to) {
-    const size_t n = to->count++;
-    to->at.x[n] = from->at.x[i];
-    to->at.y[n] = from->at.y[i];
-    to->at.depth[n] = from->at.depth[i];
-    to->at.column[n] = from->at.column[i];
-    to->at.row[n] = from->at.row[i];
-    to->beside[n] = from->beside[i];
-    to->above[n] = from->above[i];
-    to->error_x[n] = from->error_x[i];
-    to->error_y[n] = from->error_y[i];
-    to->error_z[n] = from->error_z[i];
+/* Points of a batch that the first step has left open. */
+typedef struct open_points {
+    shb_walk_group group;
+    SHB_ALIGN double world[3][SHB_LIST_GROUP];
+    uint32_t own_ids[SHB_LIST_GROUP];
+    uint16_t numbers[SHB_LIST_GROUP]; /* in the batch */
+} open_points;
+
+/* Takes point i of a group, which is number in the batch, as point n. */
+static void take_point(const shb_walk_group *from, size_t i, size_t number, size_t n,
+                       open_points *to) {
+    to->group.x[n] = from->x[i];
+    to->group.y[n] = from->y[i];
     for (int k = 0; k < 3; k++)
-        to->by_position[k][n] = from->by_position[k][i];
+        to->world[k][n] = from->world[k][i];
     for (int k = 0; k < 4; k++)
-        to->samples[k][n] = from->samples[k][i];
+        to->group.samples[k][n] = from->samples[k][i];
     to->own_ids[n] = from->own_ids[i];
-    to->numbers[n] = from->numbers[i];
+    to->numbers[n] = (uint16_t)number;
 }
 
 /* One bit for each point of a group. */
@@ -246,65 +247,60 @@ static uint64_t all_of(const shb_walk_group *g) {
     return UINT64_MAX >> (SHB_LIST_GROUP - g->count);
 }
 
-static void darken(const shb_walk_group *g, uint64_t shadowed, float *visibility) {
-    for (; shadowed; shadowed &= shadowed - 1)
-        visibility[g->numbers[__builtin_ctzll(shadowed)]] = 0;
-}
-
 /* Answers what the first step has left open. */
-static void ask_open(const shb_map *map, const shb_receivers *receivers, shb_walk_group *open,
-                     float *visibility) {
-    if (open->count == 0)
+static void ask_open(const shb_map *map, double rounding, const shb_receivers *receivers,
+                     open_points *open, float *visibility) {
+    shb_walk_group *g = &open->group;
+    if (g->count == 0)
         return;
-    map->context->shade_kernels->beside(map, open);
-    uint64_t shadowed = open->in_front & all_of(open);
-    for (uint64_t left = all_of(open) & ~open->in_front & ~open->joined; left; left &= left - 1) {
-        const asking a = {map, receivers, open, (size_t)__builtin_ctzll(left)};
-        shadowed |= (uint64_t)is_shadowed(&a) << a.i;
+    for (size_t n = g->count; n % SHB_LANES; n++) /* vectors are read as a whole */
+        take_point(g, g->count - 1, 0, n, open);
+    map->context->shade_kernels->beside(map, rounding, g);
+    uint64_t shadowed = g->in_front & all_of(g);
+    for (uint64_t left = all_of(g) & ~g->in_front & ~g->joined; left; left &= left - 1) {
+        const size_t i = (size_t)__builtin_ctzll(left);
+        const asking a = {map, receivers, rounding, g, i, open->numbers[i]};
+        shadowed |= (uint64_t)is_shadowed(&a) << i;
     }
-    darken(open, shadowed, visibility);
-    open->count = 0;
+    for (; shadowed; shadowed &= shadowed - 1)
+        visibility[open->numbers[__builtin_ctzll(shadowed)]] = 0;
+    g->count = 0;
 }
 
-static void locate_group(const shb_map *map, const shb_exact_points *points, size_t first,
-                         shb_walk_group *group) {
+static void start_group(const shb_exact_points *points, size_t first, shb_walk_group *group) {
     const size_t left = points->count - first;
     group->count = left < SHB_LIST_GROUP ? left : SHB_LIST_GROUP;
-    group->at.world[0] = points->x + first;
-    group->at.world[1] = points->y + first;
-    group->at.world[2] = points->z + first;
-    memcpy(group->own_ids, points->own_ids + first, sizeof group->own_ids);
-    for (size_t i = 0; i < SHB_LIST_GROUP; i++)
-        group->numbers[i] = (uint16_t)(first + i);
-    shb_list_kernels_of(map->context->isa)->locate(&map->occluders.mesh.frame, &group->at);
-}
-
-/* One bit for each point in the view. */
-static uint64_t inside_of(const shb_walk_group *g) {
-    uint64_t inside = 0;
-    for (size_t i = 0; i < g->count; i++)
-        inside |= (uint64_t)(g->at.column[i] >= 0) << i;
-    return inside;
+    group->world[0] = points->x + first;
+    group->world[1] = points->y + first;
+    group->world[2] = points->z + first;
+    group->own_ids = points->own_ids + first;
 }
 
 void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
                              const shb_receivers *receivers, float *visibility) {
     const double rounding = points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING;
-    shb_walk_group group, open = {0};
+    shb_walk_group group;
+    open_points open;
+    open.group.count = 0;
+    open.group.own_ids = open.own_ids;
+    for (int k = 0; k < 3; k++)
+        open.group.world[k] = open.world[k];
     for (size_t i = 0; i < points->count; i++)
         visibility[i] = 1;
     if (map->occluders.plane_count == 0) /* the kernels read a triangle in any case */
         return;
-    for (size_t i = 0; i < points->count; i += SHB_LIST_GROUP) {
-        locate_group(map, points, i, &group);
+    for (size_t first = 0; first < points->count; first += SHB_LIST_GROUP) {
+        start_group(points, first, &group);
         map->context->shade_kernels->nearest(map, rounding, &group);
-        const uint64_t inside = inside_of(&group);
-        darken(&group, group.in_front & inside, visibility);
-        for (uint64_t left = inside & ~group.in_front & ~group.joined; left; left &= left - 1) {
-            if (open.count == SHB_LIST_GROUP)
-                ask_open(map, receivers, &open, visibility);
-            keep_open(&group, (size_t)__builtin_ctzll(left), &open);
+        const uint64_t all = all_of(&group);
+        for (uint64_t left = group.in_front & all; left; left &= left - 1)
+            visibility[first + (size_t)__builtin_ctzll(left)] = 0;
+        for (uint64_t left = all & ~group.in_front & ~group.joined; left; left &= left - 1) {
+            const size_t i = (size_t)__builtin_ctzll(left);
+            if (open.group.count == SHB_LIST_GROUP)
+                ask_open(map, rounding, receivers, &open, visibility);
+            take_point(&group, i, first + i, open.group.count++, &open);
         }
     }
-    ask_open(map, receivers, &open, visibility);
+    ask_open(map, rounding, receivers, &open, visibility);
 }

@@ -48,6 +48,7 @@ typedef struct shb_drawn_planes {
  * drawing, for the next one, and what maps are drawn with. */
 enum {
     SHB_OCCLUDER_PLANES,
+    SHB_OCCLUDER_WORLD_PLANES,
     SHB_OCCLUDER_TRIANGLES,
     SHB_OCCLUDER_KEPT, /* how many there are of these */
     SHB_OCCLUDER_INSTANCES = SHB_OCCLUDER_KEPT
@@ -61,7 +62,8 @@ typedef struct shb_occluder_data {
     size_t stride;      /* bytes */
     double slope_unit;  /* a power of two, at most 1 */
     size_t plane_count; /* triangles of the scene */
-    shb_occluder_plane *planes; /* in kept, as what mesh points to */
+    shb_occluder_plane *planes; /* in kept, as world_planes and what mesh points to */
+    shb_world_plane *world_planes;
     shb_buffer kept[SHB_OCCLUDER_KEPT];
     shb_topology topology; /* of the latest scene, kept for the next drawing */
     shb_light_mesh mesh;

@@ -42,20 +42,19 @@ static const shb_placed_instance *instance_of(const shb_placed_scene *placed, si
     return &placed->instances[low];
 }
 
-/* Fills up the lanes beyond the count, and finds what is asked for. */
-static void find_planes(const shb_map *map, const shb_mat4 *transform, size_t count,
-                        shb_plane_corners *corners, shb_found_planes *planes) {
+static void fill_lanes(size_t count, shb_plane_corners *corners) {
     for (size_t lane = count; lane % SHB_PLANE_VECTOR; lane++)
         for (int k = 0; k < 3; k++)
             for (int axis = 0; axis < 3; axis++)
                 corners->at[k][axis][lane] = corners->at[k][axis][count - 1];
-    map->context->shade_kernels->find_planes(map, transform, count, corners, planes);
 }
 
 static void find_drawn(const shb_plane_finder *finder, const shb_draw_instance *instance,
                        size_t count, shb_plane_corners *corners, shb_found_planes *planes) {
-    find_planes(((const shb_drawn_planes *)finder)->map,
-                instance->moves ? &instance->world_from_mesh : NULL, count, corners, planes);
+    const shb_map *map = ((const shb_drawn_planes *)finder)->map;
+    fill_lanes(count, corners);
+    map->context->shade_kernels->find_planes(
+        map, instance->moves ? &instance->world_from_mesh : NULL, count, corners, planes);
 }
 
 shb_drawn_planes shb_drawn_planes_of(const shb_map *map, double slope_unit) {
@@ -64,15 +63,21 @@ shb_drawn_planes shb_drawn_planes_of(const shb_map *map, double slope_unit) {
 
 /* Planes of the instance's triangles from id on. */
 static void find_run(const shb_map *map, const shb_placed_instance *instance, size_t id,
-                     size_t count, shb_occluder_plane *planes) {
+                     size_t count, shb_occluder_plane *planes, shb_world_plane *world_planes) {
     shb_plane_corners corners = {0};
     shb_found_planes found;
+    shb_found_world_planes world;
     for (size_t i = 0; i < count; i++)
         shb_plane_corners_set(&corners, i, instance->mesh, (uint32_t)(id + i - instance->first));
-    find_planes(map, instance->moves ? &instance->transform : NULL, count, &corners, &found);
-    for (size_t i = 0; i < count; i++)
+    fill_lanes(count, &corners);
+    map->context->shade_kernels->find_world_planes(
+        map, instance->moves ? &instance->transform : NULL, count, &corners, &found, &world);
+    for (size_t i = 0; i < count; i++) {
         planes[i] =
             (shb_occluder_plane){found.z[i], found.slope_x[i], found.slope_y[i], found.error[i]};
+        world_planes[i] = (shb_world_plane){
+            {world.normal[0][i], world.normal[1][i], world.normal[2][i]}, world.offset[i]};
+    }
 }
 
 typedef struct plane_job {
@@ -80,6 +85,7 @@ typedef struct plane_job {
     const shb_placed_scene *placed;
     size_t count;
     shb_occluder_plane *planes;
+    shb_world_plane *world_planes;
 } plane_job;
 
 static void make_block(void *arg, size_t index) {
@@ -91,13 +97,13 @@ static void make_block(void *arg, size_t index) {
         const size_t last = instance->first + instance->mesh->triangle_count;
         run = (last < end ? last : end) - id;
         run = run < SHB_PLANE_LANES ? run : SHB_PLANE_LANES;
-        find_run(job->map, instance, id, run, job->planes + id);
+        find_run(job->map, instance, id, run, job->planes + id, job->world_planes + id);
     }
 }
 
 void shb_occluder_planes_make(const shb_map *map, const shb_placed_scene *placed, size_t count,
-                              shb_occluder_plane *planes) {
-    plane_job job = {map, placed, count, planes};
+                              shb_occluder_plane *planes, shb_world_plane *world_planes) {
+    plane_job job = {map, placed, count, planes, world_planes};
     shb_parallel_for(map->context, make_block, &job,
                      (count + TRIANGLES_PER_TASK - 1) / TRIANGLES_PER_TASK);
 }

@@ -22,6 +22,6 @@ shb_drawn_planes shb_drawn_planes_of(const shb_map *map, double slope_unit);
 
 /* One a triangle of the scene. */
 void shb_occluder_planes_make(const shb_map *map, const shb_placed_scene *placed, size_t count,
-                              shb_occluder_plane *planes);
+                              shb_occluder_plane *planes, shb_world_plane *world_planes);
 
 #endif

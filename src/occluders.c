@@ -59,6 +59,7 @@ static void release_drawn(const shb_context *context, shb_occluder_data *data) {
     }
     data->mesh = (shb_light_mesh){0};
     data->planes = NULL;
+    data->world_planes = NULL;
     data->plane_count = 0;
 }
 
@@ -108,9 +109,12 @@ static void return_kept(shb_context *context, shb_occluder_data *data) {
 static bool make_walked(const shb_map *map, const shb_scene *scene, shb_occluder_data *made) {
     shb_placed_scene placed;
     shb_buffer *planes = &made->kept[SHB_OCCLUDER_PLANES];
+    shb_buffer *world_planes = &made->kept[SHB_OCCLUDER_WORLD_PLANES];
     shb_buffer *triangles = &made->kept[SHB_OCCLUDER_TRIANGLES];
     take_kept(map->context, made);
     if (!shb_buffer_reserve(map->context, planes, made->plane_count, sizeof *made->planes) ||
+        !shb_buffer_reserve(map->context, world_planes, made->plane_count,
+                            sizeof *made->world_planes) ||
         !shb_buffer_reserve(map->context, triangles, made->plane_count,
                             sizeof *made->mesh.triangles) ||
         !shb_placed_scene_make(map->context, scene, &placed) ||
@@ -118,7 +122,8 @@ static bool make_walked(const shb_map *map, const shb_scene *scene, shb_occluder
                              shb_map_keeps_sheets(map) ? made->bins.boxes : NULL, &made->mesh))
         return false;
     made->planes = planes->data;
-    shb_occluder_planes_make(map, &placed, made->plane_count, made->planes);
+    made->world_planes = world_planes->data;
+    shb_occluder_planes_make(map, &placed, made->plane_count, made->planes, made->world_planes);
     return true;
 }
 
@@ -136,6 +141,7 @@ static bool prepare_mesh(const shb_map *map, const shb_scene *scene, bool walks,
     if (walks && is_known(map, made)) {
         made->mesh = map->occluders.mesh;
         made->planes = map->occluders.planes;
+        made->world_planes = map->occluders.world_planes;
         for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
             made->kept[i] = map->occluders.kept[i];
         return true;
@@ -153,6 +159,7 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
     made->mesh = (shb_light_mesh){0};
     made->plane_count = count;
     made->planes = NULL;
+    made->world_planes = NULL;
     for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
         made->kept[i] = (shb_buffer){NULL, 0};
     made->drawn = shb_drawn_planes_of(map, made->slope_unit);
@@ -175,7 +182,9 @@ static size_t texel_bytes(const shb_map *map) {
 }
 
 static size_t scene_bytes(const shb_occluder_data *data) {
-    const size_t triangle = data->planes ? sizeof *data->planes + sizeof *data->mesh.triangles : 0;
+    const size_t triangle = data->planes ? sizeof *data->planes + sizeof *data->world_planes +
+                                               sizeof *data->mesh.triangles
+                                         : 0;
     return data->plane_count * triangle + shb_topology_bytes(&data->topology);
 }
 

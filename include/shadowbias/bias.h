@@ -36,7 +36,7 @@ typedef enum shb_occluders {
     SHB_OCCLUDERS_NONE = 0,
     SHB_OCCLUDERS_PLANES,    /* the plane of each texel's triangle: 4 more bytes a texel */
     SHB_OCCLUDERS_TRIANGLES, /* the triangle of each texel, and the mesh in the light's space: 4
-                                more bytes a texel and some 130 a triangle */
+                                more bytes a texel and some 160 a triangle */
     SHB_OCCLUDERS_LISTS /* all triangles that the light can see in each texel, or in larger cells
                            where there are few of them: 8 bytes an entry, some 100 a triangle with
                            its share of vertices and cells */

@@ -38,6 +38,8 @@ static inline ALWAYS_INLINE void normal_of(const wd corners[3][3], wd normal[3],
 
 typedef struct wide_plane {
     wd z, slope_x, slope_y, error;
+    wd normal[3], normal_error[3];
+    wd away; /* positive: the normal points away from the light */
 } wide_plane;
 
 /* Anchored at the corner farthest from the light, which lies in front of it if anything does. */
@@ -73,10 +75,37 @@ static inline ALWAYS_INLINE wide_plane plane_of(const shb_map *map, const shb_li
                      8 * SHB_DOUBLE_ROUNDING * to_origin;
     const wd usable = wd_where_greater(one, error, wd_where_greater(w, zero, one, zero), zero);
     const wd z = (point.z - slopes.x * point.x) - slopes.y * point.y;
+    wd ray[3];
+    wide_cross(point.a, point.b, ray);
     return (wide_plane){wd_where_greater(usable, zero, z, zero),
                         wd_where_greater(usable, zero, slopes.x, zero),
                         wd_where_greater(usable, zero, slopes.y, zero),
-                        wd_where_greater(usable, zero, error, wd_splat((double)INFINITY))};
+                        wd_where_greater(usable, zero, error, wd_splat((double)INFINITY)),
+                        {normal[0], normal[1], normal[2]},
+                        {normal_error[0], normal_error[1], normal_error[2]},
+                        SHB_DOT(normal, ray) * SHB_DOT(point.c, ray)};
+}
+
+/* What the plane's numbers are off by near the triangle: the normal's error times how far points
+ * there lie from the first corner, and what rounding makes of corners and of the sum. Errors of the
+ * normal farther along the light's ray do not matter: a plane is only used if they are less than
+ * half of what the ray rises over it. */
+static inline ALWAYS_INLINE void store_world_plane(const wide_plane *plane, const wd corners[3][3],
+                                                   size_t i, shb_found_world_planes *to) {
+    const wd zero = wd_splat(0.0), one = wd_splat(1.0);
+    const wd size =
+        (wide_sum_abs(corners[0]) + wide_sum_abs(corners[1])) + wide_sum_abs(corners[2]);
+    wd error = 16 * SHB_DOUBLE_ROUNDING * wide_sum_abs(plane->normal) * size;
+    for (int k = 0; k < 3; k++)
+        error += 2.0 * plane->normal_error[k] *
+                 wd_max(difference(corners[1][k], corners[0][k]),
+                        difference(corners[2][k], corners[0][k]));
+    const wd unit = wd_where_greater(plane->away, zero, one, -one) / error;
+    for (int k = 0; k < 3; k++)
+        wd_store(to->normal[k] + i, plane->normal[k] * unit);
+    wd_store(to->offset + i,
+             wd_where_greater(wd_splat((double)INFINITY), plane->error,
+                              -SHB_DOT(plane->normal, corners[0]) * unit, wd_splat((double)NAN)));
 }
 
 /* Corner number k of triangles from lane i on, in the world. */
@@ -97,7 +126,8 @@ static inline ALWAYS_INLINE void world_corner(const shb_plane_corners *corners,
 static inline ALWAYS_INLINE void find_planes_as(const shb_map *map, bool affine,
                                                 const shb_mat4 *transform, size_t count,
                                                 const shb_plane_corners *restrict corners,
-                                                shb_found_planes *restrict planes) {
+                                                shb_found_planes *restrict planes,
+                                                shb_found_world_planes *restrict world_planes) {
     const shb_light_rows rows = map->rows;
     for (size_t i = 0; i < count; i += DOUBLES) {
         wd at[3][3];
@@ -108,13 +138,24 @@ static inline ALWAYS_INLINE void find_planes_as(const shb_map *map, bool affine,
         wd_store(planes->slope_x + i, found.slope_x);
         wd_store(planes->slope_y + i, found.slope_y);
         wd_store(planes->error + i, found.error);
+        if (world_planes)
+            store_world_plane(&found, (const wd(*)[3])at, i, world_planes);
     }
 }
 
 static void find_planes(const shb_map *map, const shb_mat4 *transform, size_t count,
                         const shb_plane_corners *corners, shb_found_planes *planes) {
     if (map->projection.affine)
-        find_planes_as(map, true, transform, count, corners, planes);
+        find_planes_as(map, true, transform, count, corners, planes, NULL);
     else
-        find_planes_as(map, false, transform, count, corners, planes);
+        find_planes_as(map, false, transform, count, corners, planes, NULL);
+}
+
+static void find_world_planes(const shb_map *map, const shb_mat4 *transform, size_t count,
+                              const shb_plane_corners *corners, shb_found_planes *planes,
+                              shb_found_world_planes *world_planes) {
+    if (map->projection.affine)
+        find_planes_as(map, true, transform, count, corners, planes, world_planes);
+    else
+        find_planes_as(map, false, transform, count, corners, planes, world_planes);
 }

@@ -63,6 +63,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .beside = ask_beside,
     .quick = WIDE > 1 ? test_quickly : NULL,
     .find_planes = find_planes,
+    .find_world_planes = find_world_planes,
     .pcf = pcf,
     .pcf_smooth = pcf_smooth,
     .jittered = jittered,

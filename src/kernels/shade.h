@@ -39,12 +39,12 @@ typedef struct shb_shade_kernels {
     void (*planes)(const shb_map *map, size_t count, const shb_receivers *receivers,
                    float *visibility);
 
-    /* Reads the samples around the points of a group, which are located, and finds what those of
-     * their own texels tell. rounding: of positions, as in light_point.h. */
+    /* Finds where the light sees the points of a group, reads the samples around them and finds
+     * what those of their own texels tell. rounding: of positions, as in light_point.h. */
     void (*nearest)(const shb_map *map, double rounding, shb_walk_group *group);
 
     /* Goes one triangle on from the samples of a group, and finds what is met there. */
-    void (*beside)(const shb_map *map, shb_walk_group *group);
+    void (*beside)(const shb_map *map, double rounding, shb_walk_group *group);
 
     /* The hard test after projection and bias where float is sure of it: writes the visibility of
      * all fragments, and the numbers of those whose is not to be trusted; returns how many these
@@ -56,6 +56,11 @@ typedef struct shb_shade_kernels {
      * world, or NULL. */
     void (*find_planes)(const shb_map *map, const shb_mat4 *transform, size_t count,
                         const shb_plane_corners *corners, shb_found_planes *planes);
+
+    /* The same, and these planes in the world. */
+    void (*find_world_planes)(const shb_map *map, const shb_mat4 *transform, size_t count,
+                              const shb_plane_corners *corners, shb_found_planes *planes,
+                              shb_found_world_planes *world_planes);
 
     /* Filters of boxes of texels, and of scattered ones. */
     shb_filter_fn *pcf, *pcf_smooth, *jittered, *poisson;
