@@ -34,13 +34,12 @@ static inline ALWAYS_INLINE W(wi)
     for (int row = first; row < end; row++) {
         const char *texels = b->texels + (size_t)row * b->stride;
         W(wf) tap = plane;
-        if (kind == TAPS_PLANE) {
-            const W(wf) down = W(wf_mul)(W(wf_splat)((float)(b->row + row)), taps->step_y);
-            tap = W(limit_tap)(taps->far_depth, W(wf_add)(plane, down), reversed);
-        } else if (kind == TAPS_GIVEN) {
+        if (kind == TAPS_PLANE || kind == TAPS_NEAR)
+            tap = W(wf_add)(plane, W(wf_mul)(W(wf_splat)((float)(b->row + row)), taps->step_y));
+        else if (kind == TAPS_GIVEN)
             tap = W(wf_load)(b->given + row * BOX_PITCH + start);
+        if (kind == TAPS_PLANE || kind == TAPS_GIVEN)
             tap = W(limit_tap)(taps->far_depth, tap, reversed);
-        }
         const W(wf) stored = W(wf_load)((const float *)(const void *)texels + start);
         count =
             reversed ? W(wi_count_less)(count, tap, stored) : W(wi_count_less)(count, stored, tap);
@@ -104,26 +103,38 @@ static inline ALWAYS_INLINE void W(count_group)(const box_batch *batch, size_t i
     }
 }
 
+/* Shadowed taps of LANES fragments from i on. whole: the boxes of all of them are read in place. */
+static inline ALWAYS_INLINE W(wi) W(count_lanes)(const box_run *run, size_t i, bool whole, int n,
+                                                 tap_kind kind, bool reversed) {
+    const box_batch *batch = run->batch;
+    const int32_t *places = batch->place + i;
+    int32_t readable[LANES];
+    if (!whole) {
+        if (!readable_places(run, i, LANES, readable))
+            return W(wi_splat)(0);
+        places = readable;
+    }
+    W(wi) counts[LANES];
+    if (kind == TAPS_PLANE && !any_set(batch->limited + i, LANES))
+        W(count_group)(batch, i, places, n, TAPS_NEAR, reversed, counts);
+    else
+        W(count_group)(batch, i, places, n, kind, reversed, counts);
+    return W(wi_sums)(counts);
+}
+
 /* Boxes that lie in the map, whose texels are floats; what others get means nothing. */
 static inline ALWAYS_INLINE void W(count_in_place)(const box_run *run, int n, tap_kind kind,
                                                    bool reversed, float *restrict visibility) {
     const box_batch *batch = run->batch;
     const bool whole = batch->same_size && batch->all_inside;
+    const int width = (n + LANES - 1) / LANES * LANES;
     const double share = 1 / (double)(n * n);
     SHB_ALIGN int32_t shadowed[SHB_BATCH];
+    for (size_t i = 0; i < PREFETCHED_BOXES; i += LANES)
+        prefetch_boxes(run, run->first + i, LANES, width);
     for (size_t i = run->first; i < run->end; i += LANES) {
-        int32_t readable[LANES];
-        const int32_t *places = batch->place + i;
-        if (!whole) {
-            places = readable;
-            if (!readable_places(run, i, LANES, readable)) {
-                W(wi_store)(shadowed + i, W(wi_splat)(0));
-                continue;
-            }
-        }
-        W(wi) counts[LANES];
-        W(count_group)(batch, i, places, n, kind, reversed, counts);
-        W(wi_store)(shadowed + i, W(wi_sums)(counts));
+        prefetch_boxes(run, i + PREFETCHED_BOXES, LANES, width);
+        W(wi_store)(shadowed + i, W(count_lanes)(run, i, whole, n, kind, reversed));
     }
     for (size_t i = run->first; i < run->end; i++) {
         const float lit = (float)(share * (n * n - shadowed[i]));

@@ -17,8 +17,9 @@ static const float columns_from_end[2 * BOX_PITCH] = {
     NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN,
 };
 
-/* Where the depths of taps come from: one for all, the receiver plane, or an array. */
-typedef enum tap_kind { TAPS_FLAT, TAPS_PLANE, TAPS_GIVEN } tap_kind;
+/* Where the depths of taps come from: one for all, the receiver plane, such a plane that stays
+ * before the far one, or an array. */
+typedef enum tap_kind { TAPS_FLAT, TAPS_PLANE, TAPS_NEAR, TAPS_GIVEN } tap_kind;
 
 /* A batch whose fragments ask boxes of texels. */
 typedef struct box_batch {
@@ -34,6 +35,7 @@ typedef struct box_batch {
     int32_t place[SHB_BATCH]; /* its number in a map of floats; -1: not to be read in place */
     float ref[SHB_BATCH], step_x[SHB_BATCH], step_y[SHB_BATCH]; /* as the map stores depth; of
                                                                    TAPS_FLAT ref is limited */
+    int32_t limited[SHB_BATCH];              /* of TAPS_PLANE: 0, or -1 where it is not TAPS_NEAR */
     float window[BOX_MAX * BOX_PITCH];       /* a copy of a box that cannot be read in place */
     uint32_t occluders[BOX_MAX * BOX_PITCH]; /* of the exact method: the same of its occluders */
     float given[BOX_MAX * BOX_PITCH]; /* TAPS_GIVEN: depths of its taps, as the map stores depth */
@@ -168,6 +170,35 @@ static NEVER_INLINE bool readable_places(const box_run *run, size_t i, size_t la
     return readable >= 0;
 }
 
+static inline ALWAYS_INLINE bool any_set(const int32_t *masks, size_t count) {
+    int32_t any = 0;
+    for (size_t i = 0; i < count; i++)
+        any |= masks[i];
+    return any != 0;
+}
+
+/* The texels of so many boxes are on their way from memory. */
+#define PREFETCHED_BOXES 32
+
+/* Asks for two corners of each of count boxes, if the run goes on to them: neighbours have most
+ * texels in common, and what is new to one lies at its rim. width: columns that are read. Of boxes
+ * that are not read in place anything may be asked for, so addresses are numbers. */
+static inline ALWAYS_INLINE void prefetch_boxes(const box_run *run, size_t first, size_t count,
+                                                int width) {
+    const int32_t *place = run->batch->place + first;
+    const intptr_t left = (intptr_t)run->batch->map->depth.texels;
+    const intptr_t right = left + (intptr_t)sizeof(float) * (width - 1);
+    const intptr_t down = (run->n - 1) * (intptr_t)run->batch->map->depth.stride;
+    for (size_t i = 0; i < count && first < run->end; i += 2) {
+        const intptr_t even = (intptr_t)sizeof(float) * place[i];
+        const intptr_t odd = (intptr_t)sizeof(float) * place[i + (count > 1)];
+        __builtin_prefetch((const void *)(left + even));
+        __builtin_prefetch((const void *)(right + down + even));
+        __builtin_prefetch((const void *)(right + odd));
+        __builtin_prefetch((const void *)(left + down + odd));
+    }
+}
+
 #define LANES NARROW
 #include "k_box.inl"
 #undef LANES
@@ -275,42 +306,62 @@ static inline ALWAYS_INLINE int32_t box_start(float to_center, int32_t n) {
     return (~n & (to_center < 0)) - (n >> 1);
 }
 
-static inline ALWAYS_INLINE vi box_start_lanes(vf to_center, vi n) {
-    return (~n & (to_center < 0) & 1) - (n >> 1);
+/* How much more that is than half of n to the left. */
+static inline ALWAYS_INLINE vi box_shift(vf to_center, vi n) {
+    return ~n & (to_center < 0) & 1;
 }
 
-/* Where boxes lie, and which of them can be read where they are, with whole vectors. */
-static void place_boxes(const shb_receivers *restrict r, size_t count, box_batch *restrict batch) {
+/* Where boxes lie, and which of them can be read where they are, with whole vectors. odd: all have
+ * the same odd number of texels in a row. */
+static inline ALWAYS_INLINE void place_boxes(const shb_receivers *restrict r, size_t count,
+                                             bool odd, box_batch *restrict batch) {
     const bool in_place = can_gather(batch->map) && batch->kind != TAPS_GIVEN;
     const uint32_t stride = (uint32_t)(batch->map->depth.stride / 4);
-    vi all = vi_splat(-1);
+    const vi width = vi_splat(batch->width), height = vi_splat(batch->height);
+    const vi same_size = vi_splat(batch->size[0]), never = vi_splat(in_place ? 0 : -1);
+    vi any_beyond = {0};
     for (size_t i = 0; i < count; i += WIDE) {
-        const vi n = vi_load(batch->size + i);
-        const vi left = vi_load(r->texel_x + i) + box_start_lanes(vf_load(r->to_center_x + i), n);
-        const vi top = vi_load(r->texel_y + i) + box_start_lanes(vf_load(r->to_center_y + i), n);
-        const vi right = left + ((n + 15) & ~15), bottom = top + n;
-        const vi inside = (left >= 0) & (top >= 0) & (right <= batch->width) &
-                          (bottom <= batch->height) & (in_place ? -1 : 0);
+        const vi n = odd ? same_size : vi_load(batch->size + i);
+        vi left = vi_load(r->texel_x + i) - (n >> 1), top = vi_load(r->texel_y + i) - (n >> 1);
+        if (!odd) {
+            left += box_shift(vf_load(r->to_center_x + i), n);
+            top += box_shift(vf_load(r->to_center_y + i), n);
+        }
+        /* Negative where the box, in whole vectors, leaves the map. */
+        const vi right = width - ((n + 15) & ~15) - left, bottom = height - n - top;
+        const vi beyond = left | top | right | bottom | never;
         vi_store(batch->left + i, left);
         vi_store(batch->top + i, top);
-        vi_store(batch->place + i, (vi)((vu)top * stride + (vu)left) | ~inside);
-        all &= inside;
+        vi_store(batch->place + i, (vi)((vu)top * stride + (vu)left) | beyond >> 31);
+        any_beyond |= beyond;
     }
-    batch->all_inside = !vi_any(~all);
+    batch->all_inside = !vi_any(any_beyond < 0);
 }
 
-/* Planes as the map stores depth. own: taps do not follow them. */
-static void store_planes(const shb_receivers *restrict r, bool own, size_t count,
-                         box_batch *restrict batch) {
+/* One depth for all taps of a fragment. */
+static void store_depths(const shb_receivers *restrict r, size_t count, box_batch *restrict batch) {
     const float sign = batch->reversed ? -1.0f : 1.0f;
     const vf far_depth = vf_splat(shb_far_depth(batch->reversed));
+    for (size_t i = 0; i < count; i += WIDE)
+        vf_store(batch->ref + i, sign * vf_min(far_depth, vf_load(r->ref + i)));
+    memset(batch->step_x, 0, count * sizeof *batch->step_x);
+    memset(batch->step_y, 0, count * sizeof *batch->step_y);
+}
+
+/* Planes as the map stores depth. Rounding keeps the order of numbers, so no tap of a box lies
+ * behind the one in the corner towards which its plane falls. */
+static void store_planes(const shb_receivers *restrict r, size_t count, box_batch *restrict batch) {
+    const float sign = batch->reversed ? -1.0f : 1.0f;
+    const float far_depth = shb_far_depth(batch->reversed);
     for (size_t i = 0; i < count; i += WIDE) {
-        vf ref = vf_load(r->ref + i);
-        if (batch->kind == TAPS_FLAT)
-            ref = vf_min(far_depth, ref);
+        const vf ref = vf_load(r->ref + i);
+        const vf step_x = vf_load(r->step_x + i), step_y = vf_load(r->step_y + i);
+        const vf half = __builtin_convertvector(vi_load(batch->size + i) >> 1, vf);
+        const vf farthest = (ref + half * vf_abs(step_x)) + half * vf_abs(step_y);
+        vi_store(batch->limited + i, ~(farthest <= far_depth));
         vf_store(batch->ref + i, sign * ref);
-        vf_store(batch->step_x + i, own ? vf_splat(0) : sign * vf_load(r->step_x + i));
-        vf_store(batch->step_y + i, own ? vf_splat(0) : sign * vf_load(r->step_y + i));
+        vf_store(batch->step_x + i, sign * step_x);
+        vf_store(batch->step_y + i, sign * step_y);
     }
 }
 
@@ -342,21 +393,10 @@ static void box_batch_init(const shb_filter_args *args, const shb_receivers *r, 
     batch->same_size = !world;
     box_sizes(world ? r->texel_size : NULL, args->filter->params[0], least, args->count,
               batch->size);
-    place_boxes(r, lanes, batch);
-}
-
-/* Asks for the first and the last row of every other box that is read in place: neighbours have
- * most texels in common, and what is new to one lies at its rim. */
-static inline ALWAYS_INLINE void prefetch_boxes(const box_batch *batch, size_t lanes) {
-    const char *texels = batch->map->depth.texels;
-    const size_t stride = batch->map->depth.stride;
-    for (size_t i = 0; i < lanes; i += 2) {
-        if (batch->place[i] < 0)
-            continue;
-        const char *first = texels + (size_t)batch->place[i] * sizeof(float);
-        __builtin_prefetch(first);
-        __builtin_prefetch(first + (size_t)(batch->size[i] - 1) * stride);
-    }
+    if (batch->same_size && batch->size[0] % 2)
+        place_boxes(r, lanes, true, batch);
+    else
+        place_boxes(r, lanes, false, batch);
 }
 
 /* Of receiver planes; reads the parameter taps too. */
@@ -369,8 +409,10 @@ static void box_batch_of_planes(const shb_filter_args *args, float least, box_ba
                    : flat                 ? TAPS_FLAT
                                           : TAPS_PLANE,
                    least, batch);
-    prefetch_boxes(batch, shb_round_to_lanes(args->count));
-    store_planes(args->receivers, own, shb_round_to_lanes(args->count), batch);
+    if (batch->kind == TAPS_FLAT)
+        store_depths(args->receivers, shb_round_to_lanes(args->count), batch);
+    else
+        store_planes(args->receivers, shb_round_to_lanes(args->count), batch);
 }
 
 static void fill_lanes(size_t count, float *visibility) {

@@ -15,7 +15,7 @@ static void exact_boxes_init(const shb_filter_args *args, float least, mutual_ba
     for (size_t i = 0; i < shb_round_to_lanes(args->count); i++)
         mutual->reach[i] = box_reach(batch->size[i]);
     mutual_batch_finish(mutual, args->count);
-    store_planes(&mutual->receivers, false, shb_round_to_lanes(args->count), batch);
+    store_planes(&mutual->receivers, shb_round_to_lanes(args->count), batch);
 }
 
 /* One fragment's box, where the map keeps triangles. */

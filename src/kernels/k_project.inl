@@ -157,14 +157,18 @@ static void turn_normals(const shb_projection *projection, size_t count,
 
 static void load_triples(const float *restrict triples, size_t count, float *restrict x,
                          float *restrict y, float *restrict z) {
-    for (size_t i = 0; i < count; i++) {
-        x[i] = triples[3 * i];
-        y[i] = triples[3 * i + 1];
-        z[i] = triples[3 * i + 2];
+    size_t i = 0;
+    for (; i + WIDE <= count; i += WIDE) {
+        vf t[3];
+        vf_read_triples(triples + 3 * i, t);
+        vf_store(x + i, t[0]);
+        vf_store(y + i, t[1]);
+        vf_store(z + i, t[2]);
     }
-    for (size_t i = count; i < shb_round_to_lanes(count); i++) {
-        x[i] = x[count - 1];
-        y[i] = y[count - 1];
-        z[i] = z[count - 1];
+    for (; i < shb_round_to_lanes(count); i++) {
+        const float *triple = triples + 3 * (i < count ? i : count - 1);
+        x[i] = triple[0];
+        y[i] = triple[1];
+        z[i] = triple[2];
     }
 }

@@ -191,7 +191,8 @@ static inline vf vf_read(const float *base, const uint32_t *indices) {
     return v;
 }
 
-/* vf_read_quads: four floats from each place on, the first ones into out[0] and so on.
+/* vf_read_triples: WIDE triples without gaps, the first floats into out[0] and so on.
+ * vf_read_quads: four floats from each place on, the first ones into out[0] and so on.
  * vf_write_quads: the reverse, a stride in bytes from one quad to the next. */
 #if defined(__x86_64__) && WIDE >= 4
 #if WIDE == 16
@@ -204,6 +205,19 @@ static inline vf vf_read(const float *base, const uint32_t *indices) {
 #define UNPACK(part, a, b) _mm_unpack##part##_ps(a, b)
 #define SHUFFLE(a, b, order) _mm_shuffle_ps(a, b, order)
 #endif
+/* Four floats from every twelfth one on. */
+static inline vf read_each_twelfth(const float *p) {
+    const __m128 first = _mm_loadu_ps(p);
+#if WIDE == 16
+    const vf two = _mm512_insertf32x4(_mm512_castps128_ps512(first), _mm_loadu_ps(p + 12), 1);
+    const vf three = _mm512_insertf32x4(two, _mm_loadu_ps(p + 24), 2);
+    return _mm512_insertf32x4(three, _mm_loadu_ps(p + 36), 3);
+#elif WIDE == 8
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(first), _mm_loadu_ps(p + 12), 1);
+#else
+    return first;
+#endif
+}
 /* Rows of 4 x 4 floats to columns, in each 128 bits. */
 static inline void turn_quads(const vf in[4], vf out[4]) {
     const vf a = UNPACK(lo, in[0], in[1]), b = UNPACK(hi, in[0], in[1]);
@@ -212,6 +226,16 @@ static inline void turn_quads(const vf in[4], vf out[4]) {
     out[1] = SHUFFLE(a, c, _MM_SHUFFLE(3, 2, 3, 2));
     out[2] = SHUFFLE(b, d, _MM_SHUFFLE(1, 0, 1, 0));
     out[3] = SHUFFLE(b, d, _MM_SHUFFLE(3, 2, 3, 2));
+}
+/* Four triples in each 128 bits: x y z x, y z x y and z x y z. */
+static inline void vf_read_triples(const float *triples, vf out[3]) {
+    const vf a = read_each_twelfth(triples), b = read_each_twelfth(triples + 4);
+    const vf c = read_each_twelfth(triples + 8);
+    const vf yz = SHUFFLE(a, b, _MM_SHUFFLE(1, 0, 2, 1));
+    const vf xy = SHUFFLE(b, c, _MM_SHUFFLE(2, 1, 3, 2));
+    out[0] = SHUFFLE(a, xy, _MM_SHUFFLE(2, 0, 3, 0));
+    out[1] = SHUFFLE(yz, xy, _MM_SHUFFLE(3, 1, 2, 0));
+    out[2] = SHUFFLE(yz, c, _MM_SHUFFLE(3, 0, 3, 1));
 }
 #undef UNPACK
 #undef SHUFFLE
@@ -243,6 +267,11 @@ static inline void vf_write_quads(void *to, size_t stride, const vf in[4]) {
             memcpy((char *)to + (4 * part + i) * stride, (const char *)&columns[i] + 16 * part, 16);
 }
 #else
+static inline void vf_read_triples(const float *triples, vf out[3]) {
+    for (int i = 0; i < WIDE; i++)
+        for (int k = 0; k < 3; k++)
+            out[k][i] = triples[3 * i + k];
+}
 static inline void vf_read_quads(const float *base, vu begin, vf out[4]) {
     for (uint32_t k = 0; k < 4; k++) {
         vf numbers = {0};
