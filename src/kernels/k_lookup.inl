@@ -54,17 +54,45 @@ static inline ALWAYS_INLINE vf read_lanes(const shb_map *map, bool gathers, vi x
     return vf_load(stored);
 }
 
-static inline ALWAYS_INLINE void fetch_lanes(const shb_map *map, bool gathers, size_t lanes,
-                                             const int32_t *restrict texel_x,
-                                             const int32_t *restrict texel_y,
-                                             float *restrict depth) {
+/* Indices of the texels, and -1 where these lie in the map; those of others are 0. */
+static void place_texels(const shb_map *map, size_t lanes, const int32_t *restrict texel_x,
+                         const int32_t *restrict texel_y, uint32_t *restrict indices,
+                         int32_t *restrict inside) {
+    const uint32_t stride = (uint32_t)(map->depth.stride / 4);
+    const uint32_t width = map->info.width, height = map->info.height;
+    for (size_t i = 0; i < lanes; i += WIDE) {
+        const vu x = (vu)vi_load(texel_x + i), y = (vu)vi_load(texel_y + i);
+        const vi in_map = (vi)(x < width) & (vi)(y < height);
+        const vu index = (vu)in_map & (y * stride + x);
+        vi_store(inside + i, in_map);
+        memcpy(indices + i, &index, sizeof index);
+    }
+}
+
+/* Texels are placed before any is read: in one loop there would be too few registers for both. */
+static void fetch_gathered(const shb_map *map, size_t lanes, const int32_t *texel_x,
+                           const int32_t *texel_y, float *restrict depth) {
+    const bool reversed = map->info.view.reversed;
+    const vf far_depth = vf_splat(shb_far_depth(reversed));
+    const float sign = reversed ? -1.0f : 1.0f;
+    const float *texels = map->depth.texels;
+    SHB_ALIGN uint32_t indices[SHB_BATCH];
+    SHB_ALIGN int32_t inside[SHB_BATCH];
+    place_texels(map, lanes, texel_x, texel_y, indices, inside);
+    for (size_t i = 0; i < lanes; i += WIDE)
+        vf_store(depth + i,
+                 vf_where(vi_load(inside + i), sign * vf_read(texels, indices + i), far_depth));
+}
+
+static void fetch_others(const shb_map *map, size_t lanes, const int32_t *restrict texel_x,
+                         const int32_t *restrict texel_y, float *restrict depth) {
     const bool reversed = map->info.view.reversed;
     const vf far_depth = vf_splat(shb_far_depth(reversed));
     const float sign = reversed ? -1.0f : 1.0f;
     for (size_t i = 0; i < lanes; i += WIDE) {
         vi inside;
         const vf stored =
-            read_lanes(map, gathers, vi_load(texel_x + i), vi_load(texel_y + i), &inside);
+            read_lanes(map, false, vi_load(texel_x + i), vi_load(texel_y + i), &inside);
         vf_store(depth + i, vf_where(inside, sign * stored, far_depth));
     }
 }
@@ -72,9 +100,9 @@ static inline ALWAYS_INLINE void fetch_lanes(const shb_map *map, bool gathers, s
 static void fetch_whole(const shb_map *map, size_t lanes, const int32_t *texel_x,
                         const int32_t *texel_y, float *depth) {
     if (can_gather(map))
-        fetch_lanes(map, true, lanes, texel_x, texel_y, depth);
+        fetch_gathered(map, lanes, texel_x, texel_y, depth);
     else
-        fetch_lanes(map, false, lanes, texel_x, texel_y, depth);
+        fetch_others(map, lanes, texel_x, texel_y, depth);
 }
 
 static void fetch(const shb_map *map, size_t count, const int32_t *texel_x, const int32_t *texel_y,
