@@ -295,8 +295,8 @@ static float weigh_one(const box_batch *batch, size_t i, const texel_box *b) {
 
 static bool steps_are_zero(const shb_receivers *r, size_t count) {
     vi steep = {0};
-    for (size_t i = 0; i < count; i += WIDE)
-        steep |= (vf_load(r->step_x + i) != 0) | (vf_load(r->step_y + i) != 0);
+    for (size_t i = 0; i < count && !vi_any(steep); i += WIDE)
+        steep = (vf_load(r->step_x + i) != 0) | (vf_load(r->step_y + i) != 0);
     return !vi_any(steep);
 }
 
