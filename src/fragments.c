@@ -10,6 +10,7 @@
 static void clear_table(shb_surface_table *table) {
     table->count = 0;
     table->lacks = false;
+    table->has_smooth = false;
 }
 
 void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kernels *kernels,
@@ -25,7 +26,6 @@ void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kerne
     reader->left = left;
     for (uint32_t i = 0; i < SHB_SPAN; i++)
         reader->centers[i] = (2.0 * (left + i) + 1.0 - frame->width) / frame->width;
-    memset(reader->centers + SHB_SPAN, 0, SHB_TABLE_MARGIN * sizeof *reader->centers);
 }
 
 static bool holds(const shb_surface_instance *instance, uint32_t id) {
@@ -143,18 +143,25 @@ static void read_corners(const shb_surface_instance *instance, size_t count, con
         }
 }
 
-/* Prepares the triangles up to place end that are not yet, all of one instance. */
-static void prepare(shb_fragment_reader *reader, const shb_surface_instance *instance,
-                    uint32_t end) {
+/* Prepares the triangles up to place end that are not yet, all of the reader's instance. */
+static void prepare(shb_fragment_reader *reader, uint32_t end) {
     shb_surface_table *table = &reader->table;
+    const shb_surface_instance *instance = reader->instance;
     const uint32_t first = table->count;
     if (first == end)
         return;
+    table->count = end;
+    if (!instance) {
+        for (uint32_t place = first; place < end; place++)
+            table->triangles[place].facing = 0;
+        table->lacks = true;
+        return;
+    }
+    table->has_smooth |= instance->mesh->normals != NULL;
     shb_surface_corners corners;
     read_corners(instance, end - first, table->ids + first, &corners);
     reader->kernels->triangles(&reader->view, instance, end - first, &corners,
                                table->triangles + first);
-    table->count = end;
     for (uint32_t place = first; place < end; place++)
         if (!(table->triangles[place].facing & SHB_SURFACE_USABLE))
             prepare_alone(reader, place);
@@ -182,61 +189,84 @@ static void prefetch_next(const shb_frame *frame, const shb_fragment_span *span)
  * branch for whether it is, which no processor could predict. */
 static inline uint32_t find_place(shb_surface_table *table, uint32_t id, uint32_t *count) {
     uint16_t *known = &table->places[id % SHB_TABLE];
-    const bool is_there = (*known < *count) & (table->ids[*known] == id);
-    const uint32_t place = is_there ? *known : *count;
+    const uint32_t held = *known, next = *count;
+    const uint32_t place = (held < next) & (table->ids[held] == id) ? held : next;
     *known = (uint16_t)place;
-    table->ids[*count] = id;
-    *count += !is_there;
+    table->ids[next] = id;
+    *count = place < next ? next : next + 1;
     return place;
 }
 
-/* Leaves out the runs whose triangles are not there. */
-static size_t keep_usable(const shb_surface_table *table, size_t count, shb_surface_run *runs) {
-    size_t kept = 0;
-    if (!table->lacks)
-        return count;
-    for (size_t i = 0; i < count; i++) {
-        runs[kept] = runs[i];
-        kept += (table->triangles[runs[i].place].facing & SHB_SURFACE_USABLE) != 0;
-    }
-    return kept;
+/* The ids of the reader's instance. */
+typedef struct id_range {
+    uint32_t first, count;
+} id_range;
+
+static id_range held_ids(const shb_fragment_reader *reader) {
+    const shb_surface_instance *instance = reader->instance;
+    if (!instance)
+        return (id_range){0, 0};
+    return (id_range){instance->first_id, instance->mesh->triangle_count};
 }
 
-/* Runs of the span that see a triangle of the scene; returns how many. Triangles of one instance
- * are prepared together. */
-static size_t find_runs(shb_fragment_reader *reader, const shb_fragment_span *span,
-                        shb_surface_run *runs) {
+/* Finds the place of each covered pixel's triangle, run by run of equal ids; other pixels get any.
+ * Triangles of one instance are prepared together. */
+static void find_places(shb_fragment_reader *reader, size_t pixels, const uint32_t *ids,
+                        const shb_span_marks *marks, uint32_t *places) {
+    enum { AT_ONCE = 8 };
     shb_surface_table *table = &reader->table;
-    const uint32_t pixels = span->end - span->column;
-    const uint32_t *ids = row_of_ids(reader->frame, span->row) + span->column;
-    uint16_t starts[SHB_STARTS];
-    prefetch_next(reader->frame, span);
-    const size_t all = reader->kernels->starts(ids, pixels, starts);
-    if (table->count + all > SHB_TABLE)
+    if (table->count + pixels > SHB_TABLE)
         clear_table(table);
-    const shb_surface_instance *instance = reader->instance;
-    uint32_t first_id = instance ? instance->first_id : 0;
-    uint32_t held = instance ? instance->mesh->triangle_count : 0;
-    uint32_t triangles = table->count;
-    size_t found = 0;
-    for (size_t k = 0; k < all; k++) {
-        const uint32_t id = ids[starts[k]];
-        if (id - first_id >= held) {
-            if (id == SHB_ID_NONE)
-                continue;
-            prepare(reader, instance, triangles);
-            instance = find_instance(reader, id);
-            first_id = instance ? instance->first_id : 0;
-            held = instance ? instance->mesh->triangle_count : 0;
-            if (!instance)
-                continue;
+    uint32_t triangles = table->count, place = 0;
+    size_t filled = SHB_SPAN;
+    id_range held = held_ids(reader);
+    for (size_t word = 0; word < SHB_SPAN_WORDS; word++) {
+        for (uint64_t starts = marks->starts[word]; starts; starts &= starts - 1) {
+            const size_t begin = 64 * word + (size_t)__builtin_ctzll(starts);
+            const uint32_t id = ids[begin];
+            for (; filled < begin; filled++)
+                places[filled] = place;
+            if (id - held.first >= held.count) {
+                prepare(reader, triangles);
+                reader->instance = find_instance(reader, id);
+                held = held_ids(reader);
+            }
+            place = find_place(table, id, &triangles);
+            for (size_t k = 0; k < AT_ONCE; k++)
+                places[begin + k] = place;
+            filled = begin + AT_ONCE;
         }
-        runs[found++] = (shb_surface_run){find_place(table, id, &triangles),
-                                          span->column + starts[k], span->column + starts[k + 1]};
     }
-    prepare(reader, instance, triangles);
-    reader->instance = instance;
-    return keep_usable(table, found, runs);
+    for (; filled < pixels; filled++)
+        places[filled] = place;
+    prepare(reader, triangles);
+}
+
+/* Leaves out the pixels whose triangles are not there. */
+static void keep_usable(const shb_surface_table *table, const uint32_t *places, uint64_t *covered) {
+    for (size_t word = 0; word < SHB_SPAN_WORDS; word++)
+        for (uint64_t bits = covered[word]; bits; bits &= bits - 1) {
+            const uint32_t place = places[64 * word + (size_t)__builtin_ctzll(bits)];
+            if (!(table->triangles[place].facing & SHB_SURFACE_USABLE))
+                covered[word] &= ~(bits & -bits);
+        }
+}
+
+/* The pieces of a span whose bits are set; returns how many. */
+static size_t list_pieces(const uint64_t *covered, shb_piece *pieces) {
+    size_t count = 0;
+    for (uint32_t word = 0; word < SHB_SPAN_WORDS; word++)
+        for (uint64_t bits = covered[word]; bits;) {
+            const uint64_t behind = bits + (bits & -bits); /* the carry runs through the piece */
+            const uint32_t begin = 64 * word + (uint32_t)__builtin_ctzll(bits);
+            const uint32_t end = 64 * word + (behind ? (uint32_t)__builtin_ctzll(behind) : 64);
+            if (count && pieces[count - 1].end == begin)
+                pieces[count - 1].end = end;
+            else
+                pieces[count++] = (shb_piece){begin, end};
+            bits &= behind;
+        }
+    return count;
 }
 
 /* A fragment whose pixel's centre lies outside of its triangle. */
@@ -259,67 +289,58 @@ static void read_nearest(shb_fragment_reader *reader, size_t i, shb_fragments *o
     out->weight_2[i] = (float)weights[2];
 }
 
-/* Rounding may leave a point just beyond an edge, in the shadow of a neighbour that rises there:
- * the smaller weight becomes what the larger one leaves, which is exact from 1/2 on. */
-static void keep_within(size_t count, float *restrict weight_1, float *restrict weight_2) {
-    for (size_t i = 0; i < count; i++) {
-        const float b = weight_1[i], c = weight_2[i];
-        weight_1[i] = b < c && b > 1 - c ? 1 - c : b;
-        weight_2[i] = b >= c && c > 1 - b ? 1 - b : c;
-    }
+/* Appends the pixels of a piece to count fragments; returns how many these are then. */
+static size_t add_pixels(const shb_fragment_reader *reader, const shb_piece *piece,
+                         const uint32_t *ids, const uint32_t *places, size_t count,
+                         shb_fragment_batch *batch) {
+    const size_t size = piece->end - piece->begin;
+    memcpy(batch->fragments.id + count, ids + piece->begin, size * sizeof *ids);
+    memcpy(batch->places + count, places + piece->begin, size * sizeof *places);
+    memcpy(batch->centers + count, reader->centers + piece->begin, size * sizeof *batch->centers);
+    int32_t *columns = batch->fragments.pixel_x + count;
+    for (size_t i = 0; i < size; i++)
+        columns[i] = (int32_t)(reader->left + piece->begin + i);
+    return count + size;
 }
 
-/* Loops run over the count rounded up to whole vectors. */
-static void pad(size_t count, shb_fragment_batch *batch) {
-    shb_fragments *f = &batch->fragments;
-    float *const arrays[] = {f->x,         f->y,        f->z,         f->normal_x,
-                             f->normal_y,  f->normal_z, f->shading_x, f->shading_y,
-                             f->shading_z, f->weight_1, f->weight_2};
+/* Loops run over the count rounded up to whole vectors, where all repeat the last fragment. */
+static void pad(size_t count, int32_t row, shb_fragment_batch *batch) {
     const size_t lanes = shb_round_to_lanes(count);
-    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-        for (size_t i = count; i < lanes; i++)
-            arrays[k][i] = arrays[k][count - 1];
     for (size_t i = count; i < lanes; i++) {
-        f->id[i] = f->id[count - 1];
-        f->pixel_x[i] = f->pixel_x[count - 1];
-        batch->facing[i] = batch->facing[count - 1];
+        batch->fragments.id[i] = batch->fragments.id[count - 1];
+        batch->fragments.pixel_x[i] = batch->fragments.pixel_x[count - 1];
+        batch->places[i] = batch->places[count - 1];
+        batch->centers[i] = batch->centers[count - 1];
     }
-}
-
-/* Ids and pixels of the runs' fragments; returns how many these are. */
-static size_t name_pixels(const shb_fragment_reader *reader, const shb_fragment_span *span,
-                          size_t run_count, const shb_surface_run *runs, shb_fragments *out) {
-    const uint32_t *ids = row_of_ids(reader->frame, span->row);
-    size_t count = 0;
-    for (size_t r = 0; r < run_count;) {
-        const uint32_t begin = runs[r].begin;
-        uint32_t end = begin;
-        for (; r < run_count && runs[r].begin == end; r++)
-            end = runs[r].end;
-        memcpy(out->id + count, ids + begin, (end - begin) * sizeof *ids);
-        for (uint32_t column = begin; column < end; column++)
-            out->pixel_x[count + column - begin] = (int32_t)column;
-        count += end - begin;
-    }
-    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
-        out->pixel_y[i] = (int32_t)span->row;
-    return count;
+    for (size_t i = 0; i < lanes; i++)
+        batch->fragments.pixel_y[i] = row;
 }
 
 size_t shb_fragments_read(shb_fragment_reader *reader, const shb_fragment_span *span,
                           shb_fragment_batch *batch) {
     const shb_frame *frame = reader->frame;
-    shb_surface_run runs[SHB_SPAN];
-    const size_t run_count = find_runs(reader, span, runs);
-    if (run_count == 0)
+    const uint32_t *ids = row_of_ids(frame, span->row) + span->column;
+    uint32_t places[SHB_SPAN + SHB_TABLE_MARGIN];
+    shb_span_marks marks;
+    prefetch_next(frame, span);
+    batch->piece_count = 0;
+    if (!reader->kernels->marks(ids, span->end - span->column, &marks))
         return 0;
-    const size_t count = name_pixels(reader, span, run_count, runs, &batch->fragments);
-    const shb_pixel_row row = {(frame->height - 2.0 * span->row - 1) / frame->height,
-                               reader->centers, reader->left};
-    reader->kernels->fragments(&row, run_count, runs, &reader->table, batch);
+    find_places(reader, span->end - span->column, ids, &marks, places);
+    if (reader->table.lacks)
+        keep_usable(&reader->table, places, marks.covered);
+    batch->piece_count = list_pieces(marks.covered, batch->pieces);
+    size_t count = 0;
+    for (size_t i = 0; i < batch->piece_count; i++)
+        count = add_pixels(reader, &batch->pieces[i], ids, places, count, batch);
+    if (count == 0)
+        return 0;
+    pad(count, (int32_t)span->row, batch);
+    const double center_y = (frame->height - 2.0 * span->row - 1) / frame->height;
+    reader->kernels->fragments(center_y, count, &reader->table, batch);
     for (size_t i = 0; i < batch->outside_count; i++)
         read_nearest(reader, batch->outside[i], &batch->fragments);
-    keep_within(count, batch->fragments.weight_1, batch->fragments.weight_2);
-    pad(count, batch);
+    reader->kernels->keep_within(shb_round_to_lanes(count), batch->fragments.weight_1,
+                                 batch->fragments.weight_2);
     return count;
 }

@@ -17,7 +17,7 @@ typedef struct shb_fragment_reader {
     const shb_surface_instance *instance; /* of the last triangle, or NULL */
     shb_surface_table table;
     uint32_t left; /* the first column of what is read */
-    double centers[SHB_SPAN + SHB_TABLE_MARGIN];
+    double centers[SHB_SPAN]; /* ndc x of the pixels' centres */
 } shb_fragment_reader;
 
 /* Pixels column .. end - 1 of a row. */

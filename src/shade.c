@@ -23,8 +23,7 @@ typedef struct shading {
     shb_surface_view view;
     shb_filter filters[SHB_LIGHTS_MAX];
     const shb_shade_kernels *kernels;
-    uint32_t background;                 /* a pixel, as the kernels write it */
-    uint8_t empty_row[3 * TASK_COLUMNS]; /* of a task */
+    uint8_t empty_row[3 * TASK_COLUMNS + SHB_DISPLAY_MARGIN]; /* of a task */
     uint32_t tasks_across;
 } shading;
 
@@ -171,26 +170,22 @@ static uint8_t *pixels_of(const shading *job, const shb_fragment_span *span) {
     return image->pixels + span->row * stride + 3 * (size_t)span->column;
 }
 
-/* Three bytes a pixel; the fourth one is where the next pixel begins. */
-static void write_pixels(size_t count, const uint32_t *pixels, uint8_t *to) {
-    for (size_t i = 0; i + 1 < count; i++)
-        memcpy(to + 3 * i, &pixels[i], sizeof *pixels);
-    memcpy(to + 3 * (count - 1), &pixels[count - 1], 3);
-}
-
 /* The span with the batch's fragments on the background. */
-static void write_batch(const shading *job, const shb_fragment_span *span, size_t count,
-                        const workspace *work) {
-    SHB_ALIGN uint32_t pixels[SHB_BATCH], row[TASK_COLUMNS];
-    const size_t width = span->end - span->column;
-    job->kernels->display(count, work->red, work->green, work->blue, pixels);
-    if (count < width) {
-        for (size_t i = 0; i < width; i++)
-            row[i] = job->background;
-        for (size_t i = 0; i < count; i++)
-            row[(uint32_t)work->batch.fragments.pixel_x[i] - span->column] = pixels[i];
+static void write_batch(const shading *job, const shb_fragment_span *span, const workspace *work) {
+    uint8_t row[3 * TASK_COLUMNS + SHB_DISPLAY_MARGIN];
+    const uint32_t width = span->end - span->column;
+    uint32_t written = 0;
+    size_t first = 0;
+    for (size_t i = 0; i < work->batch.piece_count; i++) {
+        const shb_piece piece = work->batch.pieces[i];
+        memcpy(row + 3 * written, job->empty_row, 3 * (piece.begin - written));
+        job->kernels->display(piece.end - piece.begin, work->red + first, work->green + first,
+                              work->blue + first, row + 3 * piece.begin);
+        first += piece.end - piece.begin;
+        written = piece.end;
     }
-    write_pixels(width, count < width ? row : pixels, pixels_of(job, span));
+    memcpy(row + 3 * written, job->empty_row, 3 * (width - written));
+    memcpy(pixels_of(job, span), row, 3 * width);
 }
 
 static void shade_batch(const shading *job, size_t count, workspace *work) {
@@ -234,7 +229,7 @@ static void shade_block(void *arg, size_t index) {
         if (count)
             shade_batch(job, count, &work);
         if (job->desc->image.pixels && count)
-            write_batch(job, &span, count, &work);
+            write_batch(job, &span, &work);
         else if (job->desc->image.pixels)
             memcpy(pixels_of(job, &span), job->empty_row, 3 * (size_t)(right - left));
     }
@@ -259,9 +254,8 @@ shb_result shb_shade(shb_context *context, const shb_shade_desc *desc) {
         job.filters[k] = desc->lights[k].filter ? *desc->lights[k].filter : shb_filter_hard();
     }
     const float *background = desc->background;
-    job.kernels->display(1, background, background + 1, background + 2, &job.background);
     for (size_t i = 0; i < TASK_COLUMNS; i++)
-        write_pixels(1, &job.background, job.empty_row + 3 * i);
+        job.kernels->display(1, background, background + 1, background + 2, job.empty_row + 3 * i);
     const uint32_t tasks_down = (desc->frame.height + TASK_ROWS - 1) / TASK_ROWS;
     shb_parallel_for(context, shade_block, &job, (size_t)job.tasks_across * tasks_down);
     return SHB_OK;

@@ -30,9 +30,14 @@ enum { SHB_PLACE_CORNERS = 9, SHB_SHADING_CORNERS = 3 };
  * from it to the other two. The normal points to the camera's side and is never zero. A triangle is
  * four cache lines, of which flat ones need three. */
 typedef struct shb_prepared_triangle {
-    SHB_ALIGN double place[18]; /* cofactors, corners */
-    float normal[3];
-    uint32_t facing;    /* bit k: light k stands on the camera's side; and SHB_SURFACE_ */
+    union {
+        SHB_ALIGN double quads[20]; /* all that flat triangles have, to be read four at a time */
+        struct {
+            double place[18]; /* cofactors, corners */
+            float normal[3];
+            uint32_t facing; /* bit k: light k stands on the camera's side; and SHB_SURFACE_ */
+        };
+    };
     double shading[12]; /* the normal, shading normals */
 } shb_prepared_triangle;
 
@@ -41,6 +46,7 @@ typedef struct shb_surface_table {
     uint32_t ids[SHB_TABLE + 1];
     uint32_t count;
     bool lacks;                 /* some of them are not there */
+    bool has_smooth;            /* some of them are smooth */
     uint16_t places[SHB_TABLE]; /* where a triangle may be, by its id */
 } shb_surface_table;
 
@@ -50,12 +56,33 @@ typedef struct shb_surface_corners {
     float normals[9][SHB_SPAN + SHB_TABLE_MARGIN];
 } shb_surface_corners;
 
-/* What is read of a span. */
+/* Words of a bit for each pixel of a span. */
+#define SHB_SPAN_WORDS (SHB_SPAN / 64)
+
+/* Of the pixels of a span. */
+typedef struct shb_span_marks {
+    uint64_t covered[SHB_SPAN_WORDS]; /* those that see something */
+    uint64_t starts[SHB_SPAN_WORDS];  /* of them the first, and those that see another triangle than
+                                         the pixel before */
+} shb_span_marks;
+
+/* Pixels begin .. end - 1 of a span. */
+typedef struct shb_piece {
+    uint32_t begin, end;
+} shb_piece;
+
+/* What is read of a span. From the fragments' number up to the next multiple of SHB_LANES all
+ * repeat the last one. */
 typedef struct shb_fragment_batch {
     shb_fragments fragments;
-    uint32_t facing[SHB_BATCH]; /* as in shb_prepared_triangle */
-    uint16_t outside[SHB_SPAN]; /* fragments whose pixel's centre lies outside of their triangle */
+    SHB_ALIGN double centers[SHB_SPAN + SHB_TABLE_MARGIN]; /* ndc x of the pixels' centres */
+    uint32_t places[SHB_SPAN + SHB_TABLE_MARGIN];          /* of the triangles in the table */
+    uint32_t facing[SHB_BATCH];                            /* as in shb_prepared_triangle */
+    /* Fragments whose pixel's centre lies outside of their triangle. */
+    uint16_t outside[SHB_SPAN + SHB_TABLE_MARGIN];
     uint32_t outside_count;
+    shb_piece pieces[SHB_SPAN / 2]; /* where the fragments lie, from left to right */
+    size_t piece_count;
 } shb_fragment_batch;
 
 /* What triangles are prepared for: a camera, and at most 16 lights. */
@@ -65,14 +92,5 @@ typedef struct shb_surface_view {
     const shb_light_source *lights;
     size_t light_count;
 } shb_surface_view;
-
-/* Room for the pixels of a span where runs begin, and for what vectors write behind them. */
-#define SHB_STARTS (SHB_SPAN + SHB_TABLE_MARGIN)
-
-/* Neighbouring pixels of a row, begin .. end - 1, that see the same triangle. */
-typedef struct shb_surface_run {
-    uint32_t place; /* in the table */
-    uint32_t begin, end;
-} shb_surface_run;
 
 #endif

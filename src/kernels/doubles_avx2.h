@@ -59,6 +59,12 @@ static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
     out[2] = _mm256_permute2f128_pd(ab_even, cd_even, 0x31);
     out[3] = _mm256_permute2f128_pd(ab_odd, cd_odd, 0x31);
 }
+static inline void wd_store_pairs(float *first, void *second, wd v) {
+    const __m256 pairs = _mm256_castpd_ps(v);
+    const __m128 low = _mm256_castps256_ps128(pairs), high = _mm256_extractf128_ps(pairs, 1);
+    _mm_storeu_ps(first, _mm_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0)));
+    _mm_storeu_ps(second, _mm_shuffle_ps(low, high, _MM_SHUFFLE(3, 1, 3, 1)));
+}
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     const wd ab_even = _mm256_unpacklo_pd(a, b), ab_odd = _mm256_unpackhi_pd(a, b);
     const wd cd_even = _mm256_unpacklo_pd(c, d), cd_odd = _mm256_unpackhi_pd(c, d);

@@ -65,6 +65,11 @@ static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
     out[2] = _mm512_permutex2var_pd(ab_even, high, cd_even);
     out[3] = _mm512_permutex2var_pd(ab_odd, high, cd_odd);
 }
+static inline void wd_store_pairs(float *first, void *second, wd v) {
+    const __m512i pairs = _mm512_castpd_si512(v);
+    _mm256_storeu_si256((__m256i *)(void *)first, _mm512_cvtepi64_epi32(pairs));
+    _mm256_storeu_si256(second, _mm512_cvtepi64_epi32(_mm512_srli_epi64(pairs, 32)));
+}
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     const wd ab[2] = {_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b)};
     const wd cd[2] = {_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d)};

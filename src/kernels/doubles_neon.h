@@ -57,6 +57,11 @@ static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
         out[k + 1] = vzip2q_f64(a, b);
     }
 }
+static inline void wd_store_pairs(float *first, void *second, wd v) {
+    const float32x4_t pairs = vreinterpretq_f32_f64(v);
+    vst1_f32(first, vget_low_f32(vuzp1q_f32(pairs, pairs)));
+    vst1_f32(second, vget_low_f32(vuzp2q_f32(pairs, pairs)));
+}
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     vst1q_f64(to, vzip1q_f64(a, b));
     vst1q_f64(to + 2, vzip1q_f64(c, d));

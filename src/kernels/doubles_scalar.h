@@ -58,6 +58,11 @@ static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
     for (int k = 0; k < 4; k++)
         out[k] = from[0][k];
 }
+/* Each double holds the bytes of two floats, or of a float and a word. */
+static inline void wd_store_pairs(float *first, void *second, wd v) {
+    memcpy(first, &v, sizeof *first);
+    memcpy(second, (const char *)&v + sizeof *first, sizeof *first);
+}
 /* a, b, c, d of lane i go to to + i * step. */
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     (void)step;

@@ -59,6 +59,11 @@ static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
         out[k + 1] = _mm_unpackhi_pd(a, b);
     }
 }
+static inline void wd_store_pairs(float *first, void *second, wd v) {
+    const __m128i pairs = _mm_castpd_si128(v);
+    _mm_storel_epi64((__m128i *)(void *)first, _mm_shuffle_epi32(pairs, _MM_SHUFFLE(2, 0, 2, 0)));
+    _mm_storel_epi64(second, _mm_shuffle_epi32(pairs, _MM_SHUFFLE(3, 1, 3, 1)));
+}
 static inline void wd_store_quads(double *to, size_t step, wd a, wd b, wd c, wd d) {
     _mm_storeu_pd(to, _mm_unpacklo_pd(a, b));
     _mm_storeu_pd(to + 2, _mm_unpacklo_pd(c, d));

@@ -1,135 +1,244 @@
 /* Fragments of a row of pixels from the triangles that they see: the formulas of surface.c. */
 
-/* Appends the numbers of the bits that are set, of four from number first on. */
-static inline ALWAYS_INLINE size_t add_bits(uint32_t bits, uint32_t first, uint16_t *numbers,
-                                            size_t found) {
-    static const uint16_t set[16][4] = {
-        {0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
-        {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
-    static const uint8_t counts[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
-    uint64_t four;
-    memcpy(&four, set[bits], sizeof four);
-    four += first * 0x0001000100010001u;
-    memcpy(numbers + found, &four, sizeof four);
-    return found + counts[bits];
+/* Bit i % 64: id i, of first .. end - 1 within 64, is none. */
+static inline ALWAYS_INLINE uint64_t none_bits(const uint32_t *ids, size_t first, size_t end) {
+    const int32_t none = (int32_t)SHB_ID_NONE;
+    uint64_t bits = 0;
+    size_t i = first;
+    for (; i + WIDE <= end; i += WIDE)
+        bits |= (uint64_t)vi_bits(vi_load((const int32_t *)ids + i) == none) << i % 64;
+    for (; i < end; i++)
+        bits |= (uint64_t)(ids[i] == SHB_ID_NONE) << i % 64;
+    return bits;
 }
 
-static size_t find_starts(const uint32_t *ids, size_t count, uint16_t *starts) {
-    size_t found = 1, i = 1;
-    starts[0] = 0;
-    for (; i + WIDE <= count; i += WIDE) {
-        const uint32_t bits =
-            vi_bits(vi_load((const int32_t *)ids + i) != vi_load((const int32_t *)ids + i - 1));
-        for (uint32_t k = 0; bits && k < WIDE; k += 4)
-            found = add_bits(bits >> k & 15, (uint32_t)i + k, starts, found);
+/* The same of ids that equal the one before; first > 0. */
+static inline ALWAYS_INLINE uint64_t same_bits(const uint32_t *ids, size_t first, size_t end) {
+    uint64_t bits = 0;
+    size_t i = first;
+    for (; i + WIDE <= end; i += WIDE)
+        bits |= (uint64_t)vi_bits(vu_load(ids + i) == vu_load(ids + i - 1)) << i % 64;
+    for (; i < end; i++)
+        bits |= (uint64_t)(ids[i] == ids[i - 1]) << i % 64;
+    return bits;
+}
+
+static bool mark_span(const uint32_t *ids, size_t count, shb_span_marks *marks) {
+    uint64_t any = 0;
+    for (size_t word = 0; word < SHB_SPAN_WORDS; word++) {
+        const size_t first = 64 * word, end = count < first + 64 ? count : first + 64;
+        const uint64_t all = end > first ? ~(uint64_t)0 >> (64 - (end - first)) : 0;
+        marks->covered[word] = all & ~none_bits(ids, first, end);
+        any |= marks->covered[word];
     }
-    for (; i < count; i++) {
-        starts[found] = (uint16_t)i;
-        found += ids[i] != ids[i - 1];
+    if (!any)
+        return false;
+    for (size_t word = 0; word < SHB_SPAN_WORDS; word++) {
+        const size_t first = 64 * word, end = count < first + 64 ? count : first + 64;
+        uint64_t same = 0;
+        if (word > 0)
+            same = same_bits(ids, first, end);
+        else if (count > WIDE)
+            same = (uint64_t)vi_bits(vu_load(ids) == vu_load(ids + 1)) << 1 |
+                   same_bits(ids, WIDE, end);
+        else
+            same = same_bits(ids, 1, end);
+        marks->starts[word] = marks->covered[word] & ~same;
     }
-    starts[found] = (uint16_t)count;
-    return found;
+    return true;
 }
 
 /* first + b * way_1 + c * way_2 for one axis of a first vector and the ways to two others. */
-static inline ALWAYS_INLINE wd combine(const double *from, int axis, wd b, wd c) {
-    return wd_splat(from[axis]) + (b * from[3 + axis] + c * from[6 + axis]);
+static inline ALWAYS_INLINE wd combine(const wd *from, int axis, wd b, wd c) {
+    return from[axis] + (b * from[3 + axis] + c * from[6 + axis]);
 }
 
-/* The mesh's normal where it is clearly on one side of the triangle's own. */
-static inline ALWAYS_INLINE void write_smooth(const shb_prepared_triangle *triangle, wd b, wd c,
-                                              shb_fragments *restrict out, size_t i) {
-    const double *corners = triangle->shading + SHB_SHADING_CORNERS;
+/* DOUBLES fragments by the fields place of their triangles; returns a bit for each whose centre lies
+ * outside. */
+static inline ALWAYS_INLINE uint32_t write_points(const wd *place, wd center_x, wd center_y,
+                                                  shb_fragments *restrict out, size_t i,
+                                                  wd *weights) {
+    const wd *corners = place + SHB_PLACE_CORNERS;
+    wd raw[3];
+    for (int k = 0; k < 3; k++)
+        raw[k] = place[3 * k] * center_x + place[3 * k + 1] * center_y + place[3 * k + 2];
+    const wd sum = raw[0] + raw[1] + raw[2];
+    const wd least = wd_min(wd_min(raw[0], raw[1]), raw[2]);
+    const wd b = raw[1] / sum, c = raw[2] / sum;
+    wd_store_floats(out->weight_1 + i, b);
+    wd_store_floats(out->weight_2 + i, c);
+    wd_store_floats(out->x + i, combine(corners, 0, b, c));
+    wd_store_floats(out->y + i, combine(corners, 1, b, c));
+    wd_store_floats(out->z + i, combine(corners, 2, b, c));
+    weights[0] = b;
+    weights[1] = c;
+    /* A sum that is not finite is not greater than NaN. */
+    const uint32_t all = (1u << DOUBLES) - 1;
+    return (all ^ wd_greater_bits(sum, sum * 0.0)) | wd_greater_bits(wd_splat(0.0), least);
+}
+
+static inline ALWAYS_INLINE void store_shading(wd x, wd y, wd z, shb_fragments *restrict out,
+                                               size_t i) {
+    wd_store_floats(out->shading_x + i, x);
+    wd_store_floats(out->shading_y + i, y);
+    wd_store_floats(out->shading_z + i, z);
+}
+
+/* Normals of the mesh that are clearly on one side of the triangles' own; side: 1, -1 of the other.
+ */
+static inline ALWAYS_INLINE void write_sided(const wd *shading, wd side, const wd *weights,
+                                             shb_fragments *restrict out, size_t i) {
+    const wd *corners = shading + SHB_SHADING_CORNERS, b = weights[0], c = weights[1];
     const wd x = combine(corners, 0, b, c), y = combine(corners, 1, b, c);
     const wd z = combine(corners, 2, b, c);
-    const double side = triangle->facing & SHB_SURFACE_ALONG ? 1.0 : -1.0;
     const wd scale = side / wd_sqrt(x * x + y * y + z * z);
-    wd_store_floats(out->shading_x + i, x * scale);
-    wd_store_floats(out->shading_y + i, y * scale);
-    wd_store_floats(out->shading_z + i, z * scale);
+    store_shading(x * scale, y * scale, z * scale, out, i);
 }
 
-/* Any normal of the mesh, on the side of the triangle's own. */
-static inline ALWAYS_INLINE void write_turned(const shb_prepared_triangle *triangle, wd b, wd c,
+/* Any normals of the mesh, on the side of the triangles' own. */
+static inline ALWAYS_INLINE void write_turned(const wd *shading, const wd *weights,
                                               shb_fragments *restrict out, size_t i) {
     const wd zero = wd_splat(0.0), one = wd_splat(1.0), none = wd_splat((double)NAN);
-    const double *normal = triangle->shading, *corners = normal + SHB_SHADING_CORNERS;
+    const wd *normal = shading, *corners = normal + SHB_SHADING_CORNERS;
+    const wd b = weights[0], c = weights[1];
     const wd x = combine(corners, 0, b, c), y = combine(corners, 1, b, c);
     const wd z = combine(corners, 2, b, c);
     const wd length = wd_sqrt(x * x + y * y + z * z);
     const wd good = wd_where_greater(length, zero, length, none) * 0.0; /* 0 or NaN */
     const wd along = normal[0] * x + normal[1] * y + normal[2] * z;
     const wd scale = wd_where_greater(zero, along, wd_splat(-1.0), one) / length;
-    wd_store_floats(out->shading_x + i, wd_where_equal(good, zero, x * scale, wd_splat(normal[0])));
-    wd_store_floats(out->shading_y + i, wd_where_equal(good, zero, y * scale, wd_splat(normal[1])));
-    wd_store_floats(out->shading_z + i, wd_where_equal(good, zero, z * scale, wd_splat(normal[2])));
+    store_shading(wd_where_equal(good, zero, x * scale, normal[0]),
+                  wd_where_equal(good, zero, y * scale, normal[1]),
+                  wd_where_equal(good, zero, z * scale, normal[2]), out, i);
 }
 
-/* DOUBLES fragments of one triangle; returns a bit for each whose centre lies inside of it. down:
- * the parts of the weights that a row has in common. */
-static inline ALWAYS_INLINE uint32_t write_fragments(const shb_prepared_triangle *triangle,
-                                                     wd center_x, const wd *down,
-                                                     shb_fragment_batch *batch, size_t i) {
-    const double *lines = triangle->place, *corners = lines + SHB_PLACE_CORNERS;
-    const wd weight_0 = lines[0] * center_x + down[0] + lines[2];
-    const wd weight_1 = lines[3] * center_x + down[1] + lines[5];
-    const wd weight_2 = lines[6] * center_x + down[2] + lines[8];
-    const wd sum = weight_0 + weight_1 + weight_2;
-    const wd least = wd_min(wd_min(weight_0, weight_1), weight_2);
+/* The side of normals that are clearly on one, or 0. */
+static inline ALWAYS_INLINE double side_of(uint32_t facing) {
+    return facing & SHB_SURFACE_ALONG ? 1.0 : facing & SHB_SURFACE_AGAINST ? -1.0 : 0.0;
+}
 
+/* Triangles without normals keep what the fragments have. */
+static inline ALWAYS_INLINE void shade_alike(const shb_prepared_triangle *triangle,
+                                             const wd *weights, shb_fragments *restrict out,
+                                             size_t i) {
+    if (!(triangle->facing & SHB_SURFACE_SMOOTH))
+        return;
+    wd shading[12];
+    for (int k = 0; k < 12; k++)
+        shading[k] = wd_splat(triangle->shading[k]);
+    const double side = side_of(triangle->facing);
+    if (side != 0)
+        write_sided(shading, wd_splat(side), weights, out, i);
+    else
+        write_turned(shading, weights, out, i);
+}
+
+static inline ALWAYS_INLINE void shade_any(const shb_surface_table *table, const wd *weights,
+                                           shb_fragment_batch *restrict batch, size_t i) {
+    static const double flat[12];
     shb_fragments *out = &batch->fragments;
-    const wd b = weight_1 / sum, c = weight_2 / sum;
-    wd_store_floats(out->weight_1 + i, b);
-    wd_store_floats(out->weight_2 + i, c);
-    wd_store_floats(out->x + i, combine(corners, 0, b, c));
-    wd_store_floats(out->y + i, combine(corners, 1, b, c));
-    wd_store_floats(out->z + i, combine(corners, 2, b, c));
+    const double *from[DOUBLES];
+    double sides[DOUBLES];
+    bool are_sided = true;
+    for (size_t k = 0; k < DOUBLES; k++) {
+        const shb_prepared_triangle *triangle = &table->triangles[batch->places[i + k]];
+        from[k] = triangle->facing & SHB_SURFACE_SMOOTH ? triangle->shading : flat;
+        sides[k] = side_of(triangle->facing);
+        are_sided &= sides[k] != 0;
+    }
+    wd shading[12];
+    for (int q = 0; q < 12; q += 4) {
+        wd_read_quads(from, shading + q);
+        for (size_t k = 0; k < DOUBLES; k++)
+            from[k] += 4;
+    }
+    if (are_sided) {
+        write_sided(shading, wd_load(sides), weights, out, i);
+        return;
+    }
+    write_turned(shading, weights, out, i);
+    for (size_t k = i; k < i + DOUBLES; k++)
+        if (!(batch->facing[k] & SHB_SURFACE_SMOOTH)) {
+            out->shading_x[k] = out->normal_x[k];
+            out->shading_y[k] = out->normal_y[k];
+            out->shading_z[k] = out->normal_z[k];
+        }
+}
 
+/* DOUBLES fragments of one triangle; returns what write_points does. */
+static inline ALWAYS_INLINE uint32_t write_alike(const shb_prepared_triangle *triangle, wd center_x,
+                                                 wd center_y, shb_fragment_batch *restrict batch,
+                                                 size_t i) {
     const float normal[3] = {triangle->normal[0], triangle->normal[1], triangle->normal[2]};
     const uint32_t facing = triangle->facing;
-    for (size_t k = 0; k < DOUBLES; k++)
-        batch->facing[i + k] = facing;
-    for (size_t k = 0; k < DOUBLES; k++) {
-        out->normal_x[i + k] = normal[0];
-        out->normal_y[i + k] = normal[1];
-        out->normal_z[i + k] = normal[2];
+    shb_fragments *out = &batch->fragments;
+    for (size_t k = i; k < i + DOUBLES; k++) {
+        batch->facing[k] = facing;
+        out->normal_x[k] = normal[0];
+        out->normal_y[k] = normal[1];
+        out->normal_z[k] = normal[2];
+        out->shading_x[k] = normal[0];
+        out->shading_y[k] = normal[1];
+        out->shading_z[k] = normal[2];
     }
-    if (!(facing & SHB_SURFACE_SMOOTH))
-        for (size_t k = 0; k < DOUBLES; k++) {
-            out->shading_x[i + k] = normal[0];
-            out->shading_y[i + k] = normal[1];
-            out->shading_z[i + k] = normal[2];
-        }
-    else if (facing & (SHB_SURFACE_ALONG | SHB_SURFACE_AGAINST))
-        write_smooth(triangle, b, c, out, i);
-    else
-        write_turned(triangle, b, c, out, i);
-    /* A sum that is not finite is not greater than NaN. */
-    return wd_greater_bits(sum, sum * 0.0) & ~wd_greater_bits(wd_splat(0.0), least);
+    enum { NUMBERS = sizeof triangle->place / sizeof *triangle->place };
+    wd place[NUMBERS], weights[2];
+    for (int k = 0; k < NUMBERS; k++)
+        place[k] = wd_splat(triangle->place[k]);
+    const uint32_t outside = write_points(place, center_x, center_y, out, i, weights);
+    shade_alike(triangle, weights, out, i);
+    return outside;
 }
 
-/* What is too much behind a run the next one overwrites. */
-static void read_fragments(const shb_pixel_row *row, size_t run_count, const shb_surface_run *runs,
-                           const shb_surface_table *table, shb_fragment_batch *batch) {
-    static const uint8_t first_bits[] = {0, 1, 3, 7, 15, 31, 63, 127, 255};
-    const double center_y = row->center_y;
-    size_t first = 0, found = 0;
-    for (size_t r = 0; r < run_count; r++) {
-        const shb_prepared_triangle *triangle = &table->triangles[runs[r].place];
-        const double *lines = triangle->place;
-        const wd down[3] = {wd_splat(lines[1] * center_y), wd_splat(lines[4] * center_y),
-                            wd_splat(lines[7] * center_y)};
-        const double *centers = row->centers + (runs[r].begin - row->first);
-        const size_t end = first + runs[r].end - runs[r].begin;
-        for (size_t i = first; i < end; i += DOUBLES, centers += DOUBLES) {
-            const uint32_t inside = write_fragments(triangle, wd_load(centers), down, batch, i);
-            uint32_t missed = first_bits[end - i < DOUBLES ? end - i : DOUBLES] & ~inside;
-            for (; missed; missed &= missed - 1)
-                batch->outside[found++] = (uint16_t)(i + (size_t)__builtin_ctz(missed));
-        }
-        first = end;
+/* The same of any triangles. */
+static inline ALWAYS_INLINE uint32_t write_any(const shb_surface_table *table, wd center_x,
+                                               wd center_y, shb_fragment_batch *restrict batch,
+                                               size_t i) {
+    enum { NUMBERS = sizeof table->triangles->quads / sizeof *table->triangles->quads };
+    const double *from[DOUBLES];
+    for (size_t k = 0; k < DOUBLES; k++)
+        from[k] = table->triangles[batch->places[i + k]].quads;
+    wd numbers[NUMBERS], weights[2];
+    for (int q = 0; q < NUMBERS; q += 4) {
+        wd_read_quads(from, numbers + q);
+        for (size_t k = 0; k < DOUBLES; k++)
+            from[k] += 4;
+    }
+    shb_fragments *out = &batch->fragments;
+    wd_store_pairs(out->normal_x + i, out->normal_y + i, numbers[18]);
+    wd_store_pairs(out->shading_x + i, out->shading_y + i, numbers[18]);
+    wd_store_pairs(out->normal_z + i, batch->facing + i, numbers[19]);
+    memcpy(out->shading_z + i, out->normal_z + i, DOUBLES * sizeof *out->normal_z);
+    const uint32_t outside = write_points(numbers, center_x, center_y, out, i, weights);
+    if (table->has_smooth)
+        shade_any(table, weights, batch, i);
+    return outside;
+}
+
+static void read_fragments(double center_y, size_t count, const shb_surface_table *table,
+                           shb_fragment_batch *batch) {
+    const wd y = wd_splat(center_y);
+    size_t found = 0;
+    for (size_t i = 0; i < shb_round_to_lanes(count); i += DOUBLES) {
+        const uint32_t *places = batch->places + i;
+        const wd x = wd_load(batch->centers + i);
+        uint32_t missed;
+        if (memcmp(places, places + 1, (DOUBLES - 1) * sizeof *places) == 0)
+            missed = write_alike(&table->triangles[*places], x, y, batch, i);
+        else
+            missed = write_any(table, x, y, batch, i);
+        for (; missed; missed &= missed - 1)
+            batch->outside[found++] = (uint16_t)(i + (size_t)__builtin_ctz(missed));
     }
     batch->outside_count = (uint32_t)found;
+}
+
+static void keep_within(size_t count, float *restrict weight_1, float *restrict weight_2) {
+    for (size_t i = 0; i < count; i++) {
+        const float b = weight_1[i], c = weight_2[i];
+        weight_1[i] = b < c && b > 1 - c ? 1 - c : b;
+        weight_2[i] = b >= c && c > 1 - b ? 1 - b : c;
+    }
 }
 
 /* Cosines between shading normals and directions to the light, in double: distances may be large.
@@ -180,9 +289,25 @@ static inline ALWAYS_INLINE uint32_t display_byte(float linear) {
     return (uint32_t)(int32_t)(sqrtf(unit) * 255.0f + 0.5f);
 }
 
+/* The lower three bytes of each word. */
+static inline ALWAYS_INLINE void pack_pixels(size_t count, const uint32_t *pixels, uint8_t *bytes) {
+#if WIDE >= 8
+    const __m128i order = _mm_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
+    for (size_t i = 0; i < count; i += 4) {
+        const __m128i four = _mm_loadu_si128((const __m128i *)(const void *)(pixels + i));
+        _mm_storeu_si128((__m128i *)(void *)(bytes + 3 * i), _mm_shuffle_epi8(four, order));
+    }
+#else
+    for (size_t i = 0; i < count; i++)
+        memcpy(bytes + 3 * i, pixels + i, sizeof *pixels);
+#endif
+}
+
 static void display(size_t count, const float *restrict red, const float *restrict green,
-                    const float *restrict blue, uint32_t *restrict pixels) {
+                    const float *restrict blue, uint8_t *restrict bytes) {
+    uint32_t pixels[SHB_SPAN];
     for (size_t i = 0; i < count; i++)
         pixels[i] =
             display_byte(red[i]) | display_byte(green[i]) << 8 | display_byte(blue[i]) << 16;
+    pack_pixels(count, pixels, bytes);
 }

@@ -84,9 +84,10 @@ const shb_shade_kernels SHADE_KERNELS = {
     .normal_offset = normal_offset,
     .normal_offset_depth = normal_offset_depth,
     .texel_cone = texel_cone,
-    .starts = find_starts,
+    .marks = mark_span,
     .triangles = prepare_surfaces,
     .fragments = read_fragments,
+    .keep_within = keep_within,
     .lighting = light_fragments,
     .display = display,
 };

@@ -8,12 +8,7 @@
 #include "../quick_test.h"
 #include "../surface_table.h"
 
-/* A row of pixels: ndc y of their centres, and ndc x of those from the first one on. */
-typedef struct shb_pixel_row {
-    double center_y;
-    const double *centers;
-    uint32_t first;
-} shb_pixel_row;
+enum { SHB_DISPLAY_MARGIN = 13 };
 
 typedef struct shb_shade_kernels {
     /* Copies count triples without gaps; the last one fills up the lanes. */
@@ -78,19 +73,22 @@ typedef struct shb_shade_kernels {
     shb_bias_fn *constant, *slope, *angle, *receiver_plane, *adaptive, *adaptive_soft;
     shb_bias_fn *normal_offset, *normal_offset_depth, *texel_cone;
 
-    /* Where runs of equal ids begin among count, at most SHB_SIZE_MAX, and at last the count;
-     * returns how many there are. Four more than all may be written. */
-    size_t (*starts)(const uint32_t *ids, size_t count, uint16_t *starts);
+    /* Marks the ids of a span, 1 to SHB_SPAN; false if none of them sees anything. */
+    bool (*marks)(const uint32_t *ids, size_t count, shb_span_marks *marks);
 
     /* Prepares count triangles of one instance, whose corners are read. */
     void (*triangles)(const shb_surface_view *view, const shb_surface_instance *instance,
                       size_t count, const shb_surface_corners *corners,
                       shb_prepared_triangle *triangles);
 
-    /* Fragments of the runs of a row, whose triangles are there: all but ids and pixels. Those
-     * outside are not right yet. */
-    void (*fragments)(const shb_pixel_row *row, size_t run_count, const shb_surface_run *runs,
-                      const shb_surface_table *table, shb_fragment_batch *batch);
+    /* Fragments of a row, whose places, centres and triangles are there: all but ids and pixels.
+     * center_y: ndc. Those outside are not right yet. */
+    void (*fragments)(double center_y, size_t count, const shb_surface_table *table,
+                      shb_fragment_batch *batch);
+
+    /* Rounding may leave a point just beyond an edge, in the shadow of a neighbour that rises
+     * there: the smaller weight becomes what the larger one leaves, which is exact from 1/2 on. */
+    void (*keep_within)(size_t count, float *weight_1, float *weight_2);
 
     /* Writes the cosines of light number number, and takes the visibility away from triangles that
      * do not face it. */
@@ -98,9 +96,10 @@ typedef struct shb_shade_kernels {
                      const shb_fragments *fragments, const uint32_t *facing,
                      shb_lighting *lighting);
 
-    /* Linear colours to the bytes of an image: red in a pixel's lowest one, then green and blue. */
+    /* Linear colours of at most SHB_SPAN pixels to the bytes of an image, three a pixel; may write
+     * SHB_DISPLAY_MARGIN more. */
     void (*display)(size_t count, const float *red, const float *green, const float *blue,
-                    uint32_t *pixels);
+                    uint8_t *bytes);
 } shb_shade_kernels;
 
 /* Never NULL. */
