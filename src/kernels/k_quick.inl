@@ -130,7 +130,8 @@ static inline ALWAYS_INLINE void project_quickly(const shb_map *map, const shb_q
         const vi inside = (vi)((vu)texel_x < width) & (vi)((vu)texel_y < height);
         const vi place = inside & (vi)((vu)texel_y * stride + (vu)texel_x);
         vi_store(out->place + i, place);
-        vf_prefetch(texels, place);
+        for (size_t lane = i; lane < i + WIDE; lane++)
+            __builtin_prefetch(texels + out->place[lane]);
         if (plane) {
             vf error;
             z += quick_run(&t, affine, r, i, x, y, z, center_x, center_y, &error);

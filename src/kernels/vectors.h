@@ -60,19 +60,10 @@ static inline __m256 gather_eight(const float *base, __m256i index) {
     return _mm256_setr_ps(base[(uint32_t)a], base[a >> 32], base[(uint32_t)b], base[b >> 32],
                           base[(uint32_t)c], base[c >> 32], base[(uint32_t)d], base[d >> 32]);
 }
-static inline __attribute__((always_inline)) void prefetch_eight(const float *base, __m256i index) {
-    const uint64_t pairs[4] = {
-        (uint64_t)_mm256_extract_epi64(index, 0), (uint64_t)_mm256_extract_epi64(index, 1),
-        (uint64_t)_mm256_extract_epi64(index, 2), (uint64_t)_mm256_extract_epi64(index, 3)};
-    for (int i = 0; i < 4; i++) {
-        __builtin_prefetch(base + (uint32_t)pairs[i]);
-        __builtin_prefetch(base + (pairs[i] >> 32));
-    }
-}
 #endif
 
 /* vf_by_sign: negative where the sign bit is set.
- * vf_gather: the floats at these indices, which are not negative. vf_prefetch asks for them.
+ * vf_gather: the floats at these indices, which are not negative.
  * vf_min, vf_max: a < b ? a : b, a > b ? a : b. vf_least: of all lanes, none of them NaN.
  * vi_any: true if the mask is set in some lane.
  * vi_bits: bit i: the mask is set in lane i. */
@@ -100,10 +91,6 @@ static inline vf vf_gather(const float *base, vi index) {
     const __m256 high = gather_eight(base, _mm512_extracti64x4_epi64((__m512i)index, 1));
     return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
 }
-static inline __attribute__((always_inline)) void vf_prefetch(const float *base, vi index) {
-    prefetch_eight(base, _mm512_castsi512_si256((__m512i)index));
-    prefetch_eight(base, _mm512_extracti64x4_epi64((__m512i)index, 1));
-}
 #elif WIDE == 8
 static inline vf vf_min(vf a, vf b) {
     return _mm256_min_ps(a, b);
@@ -127,9 +114,6 @@ static inline uint32_t vi_bits(vi mask) {
 }
 static inline vf vf_gather(const float *base, vi index) {
     return gather_eight(base, (__m256i)index);
-}
-static inline __attribute__((always_inline)) void vf_prefetch(const float *base, vi index) {
-    prefetch_eight(base, (__m256i)index);
 }
 #else
 #if defined(__x86_64__) && WIDE == 4
@@ -176,10 +160,6 @@ static inline vf vf_gather(const float *base, vi index) {
     for (int i = 0; i < WIDE; i++)
         v[i] = base[index[i]];
     return v;
-}
-static inline __attribute__((always_inline)) void vf_prefetch(const float *base, vi index) {
-    for (int i = 0; i < WIDE; i++)
-        __builtin_prefetch(base + index[i]);
 }
 #endif
 
