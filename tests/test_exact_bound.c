@@ -131,7 +131,7 @@ static long wanted_samples(long usual) {
 static const double offsets[] = {0, 2, 200, 20000};
 
 TEST(no_fragment_misses_its_plane_by_more_than_the_bound) {
-    const long samples = wanted_samples(1000000) / 4;
+    const long samples = wanted_samples(250000) / 4;
     test_random random = {11};
     double largest = 0;
     long tested = 0, violations = 0;

@@ -5,6 +5,7 @@
 #include "../src/occluders.h"
 #include "../src/project.h"
 
+#include "isas.h"
 #include "probe.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -400,8 +401,9 @@ static void check_isas(bool spot, shb_occluders occluders) {
     points *given = malloc(sizeof *given);
     fill_points(&s, 4, given);
     asked_map scalar = draw(SHB_ISA_SCALAR, view, occluders, 64, &s);
-    for (int isa = SHB_ISA_SCALAR + 1; isa < SHB_ISA_COUNT; isa++) {
-        asked_map other = draw((shb_isa)isa, view, occluders, 64, &s);
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa)) {
+        asked_map other = draw(isa, view, occluders, 64, &s);
         for (int f = 0; f < filter_count; f++) {
             float expected[POINTS], actual[POINTS];
             ask(&scalar, given, &filters[f], expected);

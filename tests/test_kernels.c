@@ -1,3 +1,4 @@
+#include "isas.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "test.h"
@@ -114,14 +115,14 @@ static void check_all_agree(const scene_case *drawn) {
     clustered_case clustered;
     add_clusters(drawn, &clustered);
     picture reference = draw_picture(drawn, SHB_ISA_SCALAR, 2, 64);
-    const shb_isa sets[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SHB_ISA_NEON};
     const struct { uint32_t threads, tile_size; } ways[] = {{1, 0}, {2, 0}, {3, 64}, {1, 16}};
-    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++)
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa))
         for (size_t k = 0; k < sizeof ways / sizeof *ways; k++) {
-            picture other = draw_picture(drawn, sets[i], ways[k].threads, ways[k].tile_size);
+            picture other = draw_picture(drawn, isa, ways[k].threads, ways[k].tile_size);
             check_same(drawn, &reference, &other);
             free_picture(&other);
-            other = draw_picture(&clustered.drawn, sets[i], ways[k].threads, ways[k].tile_size);
+            other = draw_picture(&clustered.drawn, isa, ways[k].threads, ways[k].tile_size);
             check_same(drawn, &reference, &other);
             free_picture(&other);
         }

@@ -3,6 +3,7 @@
 #include "../src/poisson.h"
 #include "../src/taps.h"
 
+#include "isas.h"
 #include "probe.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -249,35 +250,37 @@ static void check_filter(const asked_map *maps, int map_count, const shb_filter 
     }
 }
 
-enum { ISAS = SHB_ISA_COUNT - SHB_ISA_SCALAR };
+/* The same map for every instruction set. */
+typedef struct isa_maps {
+    asked_map maps[SHB_ISA_COUNT];
+    int count;
+} isa_maps;
 
-static void open_maps(bool spot, bool reversed, shb_format format, uint32_t width, uint32_t height,
-                      asked_map maps[ISAS]) {
-    for (int i = 0; i < ISAS; i++)
-        maps[i] =
-            open_map((shb_isa)(SHB_ISA_SCALAR + i), view_of(spot, reversed), format, width, height);
+static isa_maps open_maps(bool spot, bool reversed, shb_format format, uint32_t width,
+                          uint32_t height) {
+    isa_maps made = {.count = 0};
+    for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa))
+        made.maps[made.count++] = open_map(isa, view_of(spot, reversed), format, width, height);
+    return made;
 }
 
-static void close_maps(asked_map maps[ISAS]) {
-    for (int i = 0; i < ISAS; i++)
-        close_map(&maps[i]);
+static void close_maps(isa_maps *made) {
+    for (int i = 0; i < made->count; i++)
+        close_map(&made->maps[i]);
 }
 
 static void check_isas(bool spot, bool reversed, shb_format format, uint32_t width, uint32_t height,
                        const float *sizes, int size_count) {
-    asked_map maps[ISAS];
-    for (int i = 0; i < ISAS; i++)
-        maps[i] =
-            open_map((shb_isa)(SHB_ISA_SCALAR + i), view_of(spot, reversed), format, width, height);
+    isa_maps made = open_maps(spot, reversed, format, width, height);
     for (int k = 0; k < size_count; k++) {
         const shb_unit unit = sizes[k] < 0 ? SHB_UNIT_WORLD : SHB_UNIT_TEXEL;
         const shb_taps taps = k % 3 == 2 ? SHB_TAPS_OWN : SHB_TAPS_PLANE;
         const shb_filter box = shb_filter_pcf(fabsf(sizes[k]), unit, taps);
         const shb_filter smooth = shb_filter_pcf_smooth(fabsf(sizes[k]), unit, taps);
-        check_filter(maps, ISAS, &box, slow_pcf, 0);
-        check_filter(maps, ISAS, &smooth, slow_smooth, 2e-6);
+        check_filter(made.maps, made.count, &box, slow_pcf, 0);
+        check_filter(made.maps, made.count, &smooth, slow_smooth, 2e-6);
     }
-    close_maps(maps);
+    close_maps(&made);
 }
 
 TEST(pcf_agrees_with_tap_by_tap_reading_for_every_size_and_isa) {
@@ -406,13 +409,12 @@ static void check_scattered(bool spot, bool reversed, shb_format format, uint32_
                                 shb_filter_jittered(11.5f, SHB_UNIT_TEXEL, SHB_TAPS_OWN),
                                 shb_filter_jittered(0.4f, SHB_UNIT_WORLD, SHB_TAPS_PLANE),
                                 shb_filter_jittered(1e30f, SHB_UNIT_WORLD, SHB_TAPS_PLANE)};
-    asked_map maps[ISAS];
-    open_maps(spot, reversed, format, size, size, maps);
+    isa_maps made = open_maps(spot, reversed, format, size, size);
     for (size_t i = 0; i < sizeof disks / sizeof *disks; i++)
-        check_filter(maps, ISAS, &disks[i], slow_poisson, 0);
+        check_filter(made.maps, made.count, &disks[i], slow_poisson, 0);
     for (size_t i = 0; i < sizeof grids / sizeof *grids; i++)
-        check_filter(maps, ISAS, &grids[i], slow_jittered, 0);
-    close_maps(maps);
+        check_filter(made.maps, made.count, &grids[i], slow_jittered, 0);
+    close_maps(&made);
 }
 
 TEST(scattered_taps_agree_with_tap_by_tap_reading) {

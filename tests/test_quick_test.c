@@ -2,6 +2,7 @@
 #include "../src/context.h"
 #include "../src/kernels/shade.h"
 
+#include "isas.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "test.h"
@@ -93,9 +94,6 @@ static shb_result make_view(int kind, shb_vec3 center, double s, shb_view *view)
     }
 }
 
-static const shb_isa vectors[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SHB_ISA_NEON};
-enum { VECTORS = sizeof vectors / sizeof *vectors };
-
 enum { BIASES = 7 };
 
 static shb_bias make_bias(int number, double scale) {
@@ -151,15 +149,17 @@ static void check_place(shb_isa isa, shb_vec3 center, double scale) {
 }
 
 TEST(quick_test_says_what_doubles_say_at_any_scale) {
-    for (int v = 0; v < VECTORS; v++)
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa))
         for (double scale = 1e-4; scale < 2e7; scale *= 1e3)
-            check_place(vectors[v], (shb_vec3){0, 0, 0}, scale);
+            check_place(isa, (shb_vec3){0, 0, 0}, scale);
 }
 
 TEST(quick_test_says_what_doubles_say_far_from_the_origin) {
-    for (int v = 0; v < VECTORS; v++)
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa))
         for (double far_away = 1e3; far_away < 2e7; far_away *= 1e2)
-            check_place(vectors[v], (shb_vec3){far_away, -far_away, 2 * far_away}, 1);
+            check_place(isa, (shb_vec3){far_away, -far_away, 2 * far_away}, 1);
 }
 
 /* Numbers that no scene should hold, in positions, normals and texels. */
@@ -173,9 +173,10 @@ static void spoil(float *values, size_t count, test_random *random) {
 TEST(quick_test_says_what_doubles_say_of_numbers_that_are_none) {
     quick_case *c = malloc(sizeof *c);
     test_random random = {32};
-    for (int v = 0; v < VECTORS; v++)
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa))
         for (int kind = 0; kind < VIEWS; kind++) {
-            shb_context *context = new_context(vectors[v]);
+            shb_context *context = new_context(isa);
             shb_map_desc desc = {.width = MAP};
             shb_map *map = NULL;
             CHECK_INT(make_view(kind, (shb_vec3){0, 0, 0}, 1, &desc.view), SHB_OK);
@@ -202,9 +203,10 @@ TEST(quick_test_is_sure_of_nearly_all_fragments) {
     static float depths[1024 * 1024];
     for (int i = 0; i < 1024 * 1024; i++)
         depths[i] = i / 64 % 2 ? 0.1f : 1.0f;
-    for (int v = 0; v < VECTORS; v++)
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa))
         for (int kind = 0; kind < 4; kind++) {
-            shb_context *context = new_context(vectors[v]);
+            shb_context *context = new_context(isa);
             shb_map_desc desc = {.width = 1024};
             shb_map *map = NULL;
             CHECK_INT(make_view(kind, (shb_vec3){300, 0, 0}, 1, &desc.view), SHB_OK);

@@ -3,6 +3,7 @@
 #include "../src/surface.h"
 
 #include "depth_map.h"
+#include "isas.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "test.h"
@@ -114,17 +115,15 @@ static bool same_outcome(const outcome *a, const outcome *b, size_t count) {
     return true;
 }
 
-static const shb_isa vectors[] = {SHB_ISA_SSE2, SHB_ISA_AVX2, SHB_ISA_AVX512, SHB_ISA_NEON};
-enum { VECTORS = sizeof vectors / sizeof *vectors };
-
 static void check_methods(bool spot, bool reversed, shb_format format, size_t count) {
     depth_map scalar = new_map(SHB_ISA_SCALAR, spot, reversed, format);
     const shb_light_source light = shb_map_get_info(scalar.map)->light;
     points *given = new_points(light.position, count + spot);
     size_t method_count;
     const shb_bias_method *methods = shb_bias_methods(&method_count);
-    for (size_t v = 0; v < VECTORS; v++) {
-        depth_map other = new_map(vectors[v], spot, reversed, format);
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa)) {
+        depth_map other = new_map(isa, spot, reversed, format);
         for (size_t m = 0; m < method_count; m++) {
             const shb_bias bias = methods[m].make();
             if (bias.combine || bias.needs & (SHB_NEEDS_FLIPPED | SHB_NEEDS_OCCLUDERS))
@@ -163,8 +162,9 @@ TEST(shade_kernels_give_scalar_bits_for_every_count) {
 TEST(shade_kernels_constant_units_give_scalar_bits) {
     depth_map scalar = new_map(SHB_ISA_SCALAR, true, false, SHB_FORMAT_FLOAT32);
     points *given = new_points((shb_vec3){1, 2, 3}, 5);
-    for (size_t v = 0; v < VECTORS; v++) {
-        depth_map other = new_map(vectors[v], true, false, SHB_FORMAT_FLOAT32);
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa)) {
+        depth_map other = new_map(isa, true, false, SHB_FORMAT_FLOAT32);
         for (int unit = SHB_UNIT_DEPTH; unit <= SHB_UNIT_WORLD; unit++) {
             const shb_bias bias = shb_bias_constant(0.7f, (shb_unit)unit);
             outcome *expected = ask(&scalar, given, POINTS, bias);
@@ -181,9 +181,9 @@ TEST(shade_kernels_constant_units_give_scalar_bits) {
 
 /* Texels of the map and two around it. */
 TEST(shade_kernels_fetch_far_depth_outside_the_map) {
-    for (int isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa++) {
+    for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa)) {
         shb_context *context;
-        const shb_context_desc desc = {.max_isa = (shb_isa)isa, .threads = 1};
+        const shb_context_desc desc = {.max_isa = isa, .threads = 1};
         CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
         shb_map_desc map_desc = {.width = 8, .height = 8};
         const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
@@ -340,9 +340,10 @@ static frame_outcome *shade_frame(const frame_case *f, shb_isa isa, uint32_t thr
 static void check_frames(bool has_normals) {
     frame_case *f = new_frame(has_normals);
     frame_outcome *expected = shade_frame(f, SHB_ISA_SCALAR, 1);
-    for (size_t v = 0; v < VECTORS; v++)
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa))
         for (uint32_t threads = 1; threads <= 4; threads++) {
-            frame_outcome *actual = shade_frame(f, vectors[v], threads);
+            frame_outcome *actual = shade_frame(f, isa, threads);
             CHECK(memcmp(expected, actual, sizeof *expected) == 0);
             free(actual);
         }

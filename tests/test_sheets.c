@@ -1,5 +1,6 @@
 /* Certain answers: never wrong, whatever the scene, and as many as the scene allows. */
 #include "../src/map.h"
+#include "isas.h"
 #include "list_samples.h"
 #include "probe.h"
 #include "starved.h"
@@ -262,9 +263,10 @@ TEST(sheets_are_the_same_for_every_instruction_set_and_any_threads) {
         const shb_view view = probe_perspective(kind % 2);
         const bool with_lists = kind >= 2;
         shb_map *expected = draw_kind(scalar, &view, 150, soup_scene(&s), with_lists);
-        for (uint32_t isa = SHB_ISA_SCALAR + 1; isa <= SHB_ISA_NEON; isa++) {
+        for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+             isa = test_isa_after(isa)) {
             shb_context *context = NULL;
-            const shb_context_desc capped = {.threads = isa, .max_isa = (shb_isa)isa};
+            const shb_context_desc capped = {.threads = (uint32_t)isa, .max_isa = isa};
             CHECK_INT(shb_context_create(&capped, &context), SHB_OK);
             shb_map *map = draw_kind(context, &view, 150, soup_scene(&s), with_lists);
             check_same_bounds(expected, map);
