@@ -12,8 +12,9 @@
  * The vectors are calculated at the rounded point instead of the true one, which changes them by
  * (u |P| |Tw| / w) of the same movement: of second order, covered by the factor 1 + 2^-10 + 2 Ew /
  * w with Ew = u sum |Tw_i P_i|, and w' >= w - Ew. Calculating X takes four products, four sums and
- * a division, whose inputs are rounded rows: less than 8 e (sum |Tx_i P_i| + |Tx_3| + |X| (sum
- * |Tw_i P_i| + |Tw_3|)) / w, and so on         (2)
+ * a division, whose inputs are rounded rows: less than
+ *     8 e (sum |Tx_i P_i| + |Tx_3| + |X| (sum |Tw_i P_i| + |Tw_3|)) / w                       (2)
+ * and so on.
  *
  * Slopes of the plane through a point with normal n: gx = n.(C x B) / n.(A x B), gy = n.(A x C) /
  * n.(A x B). If the elements of n, A, B and C are off by dn, da, db and dc, the numerator N and the
