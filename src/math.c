@@ -27,10 +27,6 @@ shb_vec3 shb_vec3_cross(shb_vec3 a, shb_vec3 b) {
     return (shb_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-bool shb_vec3_is_finite(shb_vec3 a) {
-    return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
-}
-
 /* A power of two near the largest component: dividing by it is exact and keeps squares in range.
  * 1 for the zero vector and for one that is not finite. */
 static double vec3_magnitude(shb_vec3 a) {

@@ -11,7 +11,6 @@
 double shb_mat4_cofactors(const shb_mat4 *a, int row, double cofactors[4]);
 
 bool shb_mat4_is_finite(const shb_mat4 *a);
-bool shb_vec3_is_finite(shb_vec3 a);
 
 /* World to eye space for a direction of view of any length but 0. */
 shb_mat4 shb_mat4_look_along(shb_vec3 eye, shb_vec3 direction, shb_vec3 up);

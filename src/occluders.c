@@ -3,6 +3,7 @@
 #include "occluders.h"
 
 #include "format.h"
+#include "light_point.h"
 #include "occluder_planes.h"
 #include "prepare.h"
 
@@ -14,13 +15,11 @@
 static double diagonal_slope(const shb_map *map) {
     const shb_projection *p = &map->projection;
     const shb_light_rows *rows = &map->rows;
-    const double ww = (rows->w[0] * rows->w[0] + rows->w[1] * rows->w[1]) + rows->w[2] * rows->w[2];
+    const double ww = shb_dot(rows->w, rows->w);
     double near_w = 1;
     if (ww > 0) {
-        const double zw =
-            (rows->z[0] * rows->w[0] + rows->z[1] * rows->w[1]) + rows->z[2] * rows->w[2];
         const double near_depth = map->info.view.reversed ? -1 : 0;
-        near_w = p->depth_scale / sqrt(ww) / (zw / ww - near_depth);
+        near_w = p->depth_scale / sqrt(ww) / (shb_dot(rows->z, rows->w) / ww - near_depth);
     }
     return p->texel_scale * p->depth_scale / near_w;
 }

@@ -2,22 +2,14 @@
 
 #include "project.h"
 
+#include "light_point.h"
+
 #include <float.h>
 #include <math.h>
 
 /* Texel coordinates and depths of points far outside the map end here, so that neither a conversion
  * to int nor a filter's walk from there can overflow. */
 #define LIMIT (-(double)SHB_TEXEL_NONE)
-
-static double dot3(const double *a, const double *b) {
-    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-}
-
-static void cross3(const double *a, const double *b, double *out) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 static void matrix_row(const shb_mat4 *matrix, int row, double *out) {
     for (int column = 0; column < 4; column++)
@@ -27,11 +19,11 @@ static void matrix_row(const shb_mat4 *matrix, int row, double *out) {
 /* World width of a texel where w is 1: the step along the row's own direction, at constant w, that
  * moves its coordinate by 2 / texels. */
 static double texel_width(const double *row, const double *row_w, double texels) {
-    const double ww = dot3(row_w, row_w);
-    const double along = ww > 0 ? dot3(row, row_w) / ww : 0;
+    const double ww = shb_dot(row_w, row_w);
+    const double along = ww > 0 ? shb_dot(row, row_w) / ww : 0;
     const double across[3] = {row[0] - along * row_w[0], row[1] - along * row_w[1],
                               row[2] - along * row_w[2]};
-    return 2 / texels / sqrt(dot3(across, across));
+    return 2 / texels / sqrt(shb_dot(across, across));
 }
 
 /* Canonical depth per world unit away from the light, times w^2.
@@ -39,12 +31,12 @@ static double texel_width(const double *row, const double *row_w, double texels)
  * that depth = slope + rest / w; w grows by |row w| per unit of distance along the light's axis.
  * Parallel: w is constant and depth changes along the light's direction. */
 static double depth_scale(const shb_projection *p) {
-    const double ww = dot3(p->row_w, p->row_w);
+    const double ww = shb_dot(p->row_w, p->row_w);
     if (ww > 0) {
-        const double rest = p->row_z[3] - dot3(p->row_z, p->row_w) / ww * p->row_w[3];
+        const double rest = p->row_z[3] - shb_dot(p->row_z, p->row_w) / ww * p->row_w[3];
         return -p->sign * rest * sqrt(ww);
     }
-    return -p->sign * dot3(p->row_z, p->light) * p->row_w[3];
+    return -p->sign * shb_dot(p->row_z, p->light) * p->row_w[3];
 }
 
 static bool is_positive(double value) {
@@ -66,12 +58,12 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
     p.affine = p.row_w[0] == 0 && p.row_w[1] == 0 && p.row_w[2] == 0 && p.row_w[3] == 1;
 
     const shb_light_rows rows = shb_light_rows_of(&p);
-    cross3(rows.x, rows.y, p.x_cross_y);
-    cross3(rows.x, rows.w, p.x_cross_w);
-    cross3(rows.y, rows.w, p.y_cross_w);
-    cross3(rows.z, rows.y, p.z_cross_y);
-    cross3(rows.z, rows.w, p.z_cross_w);
-    cross3(rows.x, rows.z, p.x_cross_z);
+    shb_cross(rows.x, rows.y, p.x_cross_y);
+    shb_cross(rows.x, rows.w, p.x_cross_w);
+    shb_cross(rows.y, rows.w, p.y_cross_w);
+    shb_cross(rows.z, rows.y, p.z_cross_y);
+    shb_cross(rows.z, rows.w, p.z_cross_w);
+    shb_cross(rows.x, rows.z, p.x_cross_z);
 
     p.texel_width = texel_width(p.row_x, p.row_w, p.width);
     p.texel_height = texel_width(p.row_y, p.row_w, p.height);

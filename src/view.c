@@ -3,6 +3,7 @@
 #include "shadowbias/view.h"
 
 #include "matrix.h"
+#include "vector.h"
 
 #include <math.h>
 
@@ -27,7 +28,7 @@ static shb_result finish(shb_mat4 clip_from_eye, shb_mat4 eye_from_world, bool r
 static shb_result check_camera(shb_vec3 eye, shb_vec3 target, shb_vec3 up, const shb_view *view) {
     if (!view)
         return SHB_ERROR_ARGUMENT;
-    if (!shb_vec3_is_finite(eye) || !shb_vec3_is_finite(target) || !shb_vec3_is_finite(up))
+    if (!vec3_is_finite(eye) || !vec3_is_finite(target) || !vec3_is_finite(up))
         return SHB_ERROR_NUMBER;
     if (eye.x == target.x && eye.y == target.y && eye.z == target.z)
         return SHB_ERROR_ARGUMENT;
@@ -74,8 +75,7 @@ static shb_result check_fit(shb_vec3 light, shb_box bounds, uint32_t map_size,
         return SHB_ERROR_ARGUMENT;
     if (bounds.lo.x > bounds.hi.x || bounds.lo.y > bounds.hi.y || bounds.lo.z > bounds.hi.z)
         return SHB_ERROR_ARGUMENT;
-    if (!shb_vec3_is_finite(light) || !shb_vec3_is_finite(bounds.lo) ||
-        !shb_vec3_is_finite(bounds.hi))
+    if (!vec3_is_finite(light) || !vec3_is_finite(bounds.lo) || !vec3_is_finite(bounds.hi))
         return SHB_ERROR_NUMBER;
     if (map_size < 8 || map_size > SHB_SIZE_MAX)
         return SHB_ERROR_SIZE;
@@ -199,7 +199,7 @@ shb_result shb_view_light_source(const shb_view *view, shb_light_source *source)
         found =
             (shb_light_source){shb_vec3_scale(shb_vec3_normalize(axis), towards_light ? 1 : -1), 0};
     }
-    if (!shb_vec3_is_finite(found.position))
+    if (!vec3_is_finite(found.position))
         return SHB_ERROR_NUMBER;
     *source = found;
     return SHB_OK;

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "../map.h"
+#include "../vector.h"
 #include "reference.h"
 
 /* Probes that are asked at a time. */
@@ -62,16 +63,13 @@ static double texel_size(const shb_map *map, shb_vec3 point) {
     return projection->texel_scale * w;
 }
 
-static bool is_finite(shb_vec3 v) {
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-}
-
 static shb_result check_numbers(const shb_context *context, const shb_detachment_desc *desc) {
-    if (!is_finite(desc->contact) || !is_finite(desc->direction) || !is_finite(desc->normal))
+    if (!vec3_is_finite(desc->contact) || !vec3_is_finite(desc->direction) ||
+        !vec3_is_finite(desc->normal))
         return shb_fail(context, SHB_ERROR_NUMBER, "shb_detachment_measure: desc.%s is not finite",
-                        !is_finite(desc->contact)     ? "contact"
-                        : !is_finite(desc->direction) ? "direction"
-                                                      : "normal");
+                        !vec3_is_finite(desc->contact)     ? "contact"
+                        : !vec3_is_finite(desc->direction) ? "direction"
+                                                           : "normal");
     const double length = shb_vec3_length(desc->direction);
     if (!(fabs(length - 1) < 1e-6))
         return shb_fail(context, SHB_ERROR_ARGUMENT,

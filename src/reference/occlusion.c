@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "../scene.h"
+#include "../vector.h"
 
 static bool load_triangle(const shb_mesh *mesh, const shb_mat4 *transform, uint32_t number,
                           shb_triangle *triangle) {
@@ -15,7 +16,7 @@ static bool load_triangle(const shb_mesh *mesh, const shb_mat4 *transform, uint3
         const float *p = shb_mesh_position(mesh, vertices[k]);
         const shb_vec3 position = {(double)p[0], (double)p[1], (double)p[2]};
         const shb_vec3 world = shb_mat4_transform_point(*transform, position);
-        if (!isfinite(world.x) || !isfinite(world.y) || !isfinite(world.z))
+        if (!vec3_is_finite(world))
             return false;
         triangle->corners[k][0] = world.x;
         triangle->corners[k][1] = world.y;
@@ -129,8 +130,7 @@ static void follow_rays(void *arg, size_t index) {
 static bool is_light(const shb_light_source *light) {
     const shb_vec3 p = light->position;
     const bool is_zero = p.x == 0 && p.y == 0 && p.z == 0;
-    return isfinite(p.x) && isfinite(p.y) && isfinite(p.z) &&
-           (light->w == 1 || (light->w == 0 && !is_zero));
+    return vec3_is_finite(p) && (light->w == 1 || (light->w == 0 && !is_zero));
 }
 
 shb_result shb_reference_occluded(const shb_reference *reference, const shb_light_source *light,
