@@ -244,7 +244,8 @@ TEST(scene_error_names_the_scene_and_the_value) {
                   "scene gap: the largest gap in world units must be 0.0001 to 1, not \"1x\"");
     check_refused("gap:",
                   "scene gap: the largest gap in world units must be 0.0001 to 1, not \"\"");
-    check_refused("no such scene", "no such scene: No such file or directory");
+    check_refused("no such scene",
+                  "no such scene: No such file or directory, nor a built-in scene");
 }
 
 static void write_text(const char *path, const char *text) {

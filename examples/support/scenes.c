@@ -127,8 +127,12 @@ static bool build_entry(example_scene *scene, const scene_entry *entry, const ch
 static bool build_file(example_scene *scene, const char *path, char *error, size_t error_size) {
     owned_mesh *mesh = scene_add_mesh(scene);
     const scene_surface surface = {.color = {0.64f, 0.62f, 0.58f}};
-    if (!obj_read_file(path, mesh, error, error_size))
+    if (!obj_read_file(path, mesh, error, error_size)) {
+        const size_t length = strlen(error);
+        if (!strchr(path, '.')) /* a name, more likely than a file */
+            snprintf(error + length, error_size - length, ", nor a built-in scene");
         return false;
+    }
     scene_add_instance(scene, mesh, NULL, SHB_CULL_NONE, &surface);
     if (finish_scene(scene) && fit_to_bounds(scene))
         return true;
