@@ -7,9 +7,9 @@
 
 #include "context.h"
 #include "fragments.h"
+#include "frame.h"
 #include "kernels/shade.h"
 #include "map.h"
-#include "scene.h"
 #include "terminator.h"
 #include "visibility.h"
 
@@ -47,24 +47,6 @@ static bool are_finite(const float rgb[3]) {
     return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
 }
 
-static shb_result check_frame(const shb_context *context, const shb_frame *frame) {
-    if (!frame->view || !frame->scene || !frame->ids)
-        return fail(context, SHB_ERROR_ARGUMENT, "desc.frame.view, scene or ids is NULL");
-    if (frame->width == 0 || frame->width > SHB_SIZE_MAX || frame->height == 0 ||
-        frame->height > SHB_SIZE_MAX)
-        return shb_fail(context, SHB_ERROR_SIZE,
-                        "shb_shade: desc.frame.width %u or height %u is not in 1 .. %d",
-                        (unsigned)frame->width, (unsigned)frame->height, SHB_SIZE_MAX);
-    const size_t row_size = frame->width * sizeof *frame->ids;
-    if (frame->id_stride % sizeof *frame->ids || (frame->id_stride && frame->id_stride < row_size))
-        return shb_fail(context, SHB_ERROR_ARGUMENT,
-                        "shb_shade: desc.frame.id_stride %zu is not a multiple of 4 or below %zu",
-                        frame->id_stride, row_size);
-    const char *reason;
-    const shb_result result = shb_scene_check(frame->scene, &reason);
-    return result == SHB_OK ? SHB_OK : fail(context, result, reason);
-}
-
 static shb_result check_image(const shb_context *context, const shb_shade_desc *desc) {
     const shb_image *image = &desc->image;
     if (!are_finite(desc->background))
@@ -80,6 +62,10 @@ static shb_result check_image(const shb_context *context, const shb_shade_desc *
         return shb_fail(context, SHB_ERROR_ARGUMENT,
                         "shb_shade: desc.image.stride %zu is below 3 * width %u", image->stride,
                         (unsigned)image->width);
+    if (image->stride > PTRDIFF_MAX / image->height)
+        return shb_fail(context, SHB_ERROR_SIZE,
+                        "shb_shade: desc.image.stride %zu times desc.image.height %u overflows",
+                        image->stride, (unsigned)image->height);
     return SHB_OK;
 }
 
@@ -110,7 +96,7 @@ static shb_result check(const shb_context *context, const shb_shade_desc *desc) 
         return fail(context, SHB_ERROR_ARGUMENT, "desc is NULL");
     if (!desc->shade)
         return fail(context, SHB_ERROR_ARGUMENT, "desc.shade is NULL");
-    shb_result result = check_frame(context, &desc->frame);
+    shb_result result = shb_frame_check(context, "shb_shade", &desc->frame);
     if (result == SHB_OK)
         result = check_image(context, desc);
     return result == SHB_OK ? check_lights(context, desc) : result;

@@ -333,6 +333,9 @@ TEST(shade_refuses_bad_descriptions_and_leaves_the_image) {
     REFUSES(desc.frame.height = SHB_SIZE_MAX + 1, SHB_ERROR_SIZE);
     REFUSES(desc.frame.id_stride = 34, SHB_ERROR_ARGUMENT);
     REFUSES(desc.frame.id_stride = 28, SHB_ERROR_ARGUMENT);
+    REFUSES(desc.frame.id_stride = SIZE_MAX - 3, SHB_ERROR_SIZE);
+    REFUSES(desc.frame.ids = (const uint32_t *)(const void *)((const char *)desc.frame.ids + 1),
+            SHB_ERROR_ARGUMENT);
     REFUSES(desc.light_count = SHB_LIGHTS_MAX + 1, SHB_ERROR_ARGUMENT);
     REFUSES(desc.lights = NULL, SHB_ERROR_ARGUMENT);
     REFUSES(desc.background[1] = NAN, SHB_ERROR_NUMBER);
@@ -340,6 +343,7 @@ TEST(shade_refuses_bad_descriptions_and_leaves_the_image) {
     REFUSES(desc.image.width = 7, SHB_ERROR_SIZE);
     REFUSES(desc.image.height = 5, SHB_ERROR_SIZE);
     REFUSES(desc.image.stride = 23, SHB_ERROR_ARGUMENT);
+    REFUSES(desc.image.stride = SIZE_MAX / 2, SHB_ERROR_SIZE);
     check_refused(&t, context, &log, NULL, SHB_ERROR_ARGUMENT, __LINE__);
     CHECK_INT(shb_shade(NULL, &good), SHB_ERROR_ARGUMENT);
 
