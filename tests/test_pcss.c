@@ -82,6 +82,20 @@ TEST(a_directional_light_gives_the_penumbra_of_its_angle) {
     }
 }
 
+/* A host's depths may lie before the near plane, z = 4: they block as if they lay on it, where the
+ * light, 0.1 wide at distance one, gives a penumbra of 0.4. */
+TEST(what_lies_before_the_near_plane_has_the_penumbra_of_that_plane) {
+    const shb_taps taps[] = {SHB_TAPS_PLANE, SHB_TAPS_NAIVE};
+    for (int i = 0; i < 4; i++) {
+        const shb_filter filter = shb_filter_pcss(0.1f, 0, 0, taps[i / 2]);
+        host_map host = open_map(probe_orthographic(i & 1), SIZE, SIZE);
+        fill_halves(&host, -3, 0.5, false);
+        for (double way = -0.3; way < 0.3; way += 0.0131)
+            CHECK_NEAR(ask(&host, &filter, way, 0.003, 0), limited((way + 0.2) / 0.4), 2e-5);
+        close_map(&host);
+    }
+}
+
 /* The same where texels are four times as high as wide. */
 TEST(a_penumbra_has_its_width_on_both_axes_of_a_map) {
     const shb_filter filter = shb_filter_pcss(0.5f, 0, 0, SHB_TAPS_PLANE);

@@ -224,6 +224,26 @@ TEST(a_contact_line_is_no_boundary) {
                 64, beside_wall);
 }
 
+static uint8_t beside_floating_wall(double x, double y) {
+    const bool near_foot = fabs(0.8 * x) < 1 && fabs(y) < 11.0625;
+    return (uint8_t)(beside_wall(x, y) | (near_foot ? SHB_TRUTH_BOUNDARY : 0));
+}
+
+/* The ground reaches to 30, so that a foot touches it up to 30 * 2^-20: more than 2^-16 and less
+ * than 2^-15. */
+TEST(a_foot_above_the_rounding_of_positions_is_a_boundary) {
+    for (int floats = 0; floats < 2; floats++) {
+        const float foot = floats ? 0x1p-15f : 0x1p-16f;
+        soup s = {0};
+        add_ground(&s);
+        soup_add_quad(&s, (float[3]){0, -10.0625f, foot}, (float[3]){0, 10.0625f, foot},
+                      (float[3]){0, 10.0625f, 15}, (float[3]){0, -10.0625f, 15});
+        check_scene(&s, view_from_height(60),
+                    wide_view((shb_vec3){0.6, 0, 0.8}, (shb_vec3){0, 0, 0}), 64,
+                    floats ? beside_floating_wall : beside_wall);
+    }
+}
+
 TEST(a_wall_is_lit_up_to_its_own_edges_and_its_foot) {
     soup s = {0};
     add_ground(&s);

@@ -249,6 +249,34 @@ static void check_same_bounds(const shb_map *a, const shb_map *b) {
     CHECK(whole > x->height);
 }
 
+/* The map of triangles knows its scene again, but not from what another map left in the context. */
+TEST(a_scene_drawn_again_is_not_classified_by_what_was_drawn_between) {
+    soup ball = {0}, boxes = {0};
+    soup_add_ball(&ball, (float[]){0.2f, 0.1f, 1.6f}, 40, 40, NULL);
+    soup_add_box(&boxes, (float[]){-3, -3, 0}, (float[]){3, 3, 1.2f});
+    for (int i = 0; i < 400; i++)
+        soup_add_box(&boxes, (float[]){-1, -1, 1.5f}, (float[]){1, 1, 1.7f});
+    shb_context *context = lists_context(1), *other = lists_context(1);
+    const shb_map_desc desc = {.view = probe_perspective(false),
+                               .width = 150,
+                               .occluders = SHB_OCCLUDERS_TRIANGLES,
+                               .classifies = true};
+    shb_map *map = NULL, *expected = NULL;
+    CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+    CHECK_INT(shb_map_create(other, &desc, &expected), SHB_OK);
+    CHECK_INT(shb_map_draw(expected, soup_scene(&ball), NULL, NULL), SHB_OK);
+    CHECK_INT(shb_map_draw(map, soup_scene(&ball), NULL, NULL), SHB_OK);
+    shb_map_destroy(draw(context, &desc.view, 150, soup_scene(&boxes)));
+    CHECK_INT(shb_map_draw(map, soup_scene(&ball), NULL, NULL), SHB_OK);
+    check_same_bounds(expected, map);
+    shb_map_destroy(map);
+    shb_map_destroy(expected);
+    shb_context_destroy(context);
+    shb_context_destroy(other);
+    soup_free(&ball);
+    soup_free(&boxes);
+}
+
 TEST(sheets_are_the_same_for_every_instruction_set_and_any_threads) {
     soup s = {0};
     test_random random = {33};
