@@ -167,10 +167,13 @@ static shb_result check_texels(const shb_context *context, const shb_map_desc *d
                         "shb_map_wrap: texels or stride %zu is not a multiple of the texel's %zu "
                         "bytes",
                         stride, texel_size);
-    if (stride && (stride < desc->width * texel_size || stride > SIZE_MAX / height))
+    if (stride && stride < desc->width * texel_size)
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "shb_map_wrap: stride %zu is below a row of %u texels", stride,
+                        (unsigned)desc->width);
+    if (stride > PTRDIFF_MAX / height)
         return shb_fail(context, SHB_ERROR_SIZE,
-                        "shb_map_wrap: stride %zu is less than a row of %u texels, or overflows",
-                        stride, (unsigned)desc->width);
+                        "shb_map_wrap: stride %zu times %zu rows overflows", stride, height);
     return SHB_OK;
 }
 

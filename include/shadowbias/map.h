@@ -38,9 +38,9 @@ shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_ma
 /* A map around depths that the host made (rasterized, or read back from a GPU) with the same view,
  * size and format. texels is borrowed and read at every question; stride in bytes, 0: no gaps.
  * holds names the method whose combine stage or culling the host applied; NULL: the nearest depth.
- * SHB_ERROR_ARGUMENT if texels or stride is not aligned to the texel's size, SHB_ERROR_SIZE if the
- * stride is shorter than a row, SHB_ERROR_UNSUPPORTED if desc.occluders or desc.classifies is set:
- * depths alone tell nothing of either. */
+ * SHB_ERROR_ARGUMENT if texels or stride is not aligned to the texel's size or the stride is below
+ * a row, SHB_ERROR_SIZE if it overflows, SHB_ERROR_UNSUPPORTED if desc.occluders or desc.classifies
+ * is set: depths alone tell nothing of either. */
 shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const void *texels,
                         size_t stride, const shb_bias *holds, shb_map **map);
 
@@ -49,9 +49,10 @@ shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const vo
  * nearest depth, which serves all such methods alike. desc.occluders are kept if bias is NULL or
  * needs them, in copies: the scene may go when the call is done. What a combine stage writes is
  * rounded to the format as drawn depths are; NaN becomes the far depth. stats may be NULL. Errors
- * as shb_draw, SHB_ERROR_UNSUPPORTED for a wrapped map, and SHB_ERROR_ARGUMENT where the pass over
- * the vertices for the scene's scale meets an index that is out of range; the map keeps what it
- * held then. One call at a time for a context, and none while others ask the map. */
+ * as shb_draw, SHB_ERROR_UNSUPPORTED for a wrapped map, SHB_ERROR_MEMORY for 2^29 triangles or more
+ * where the map keeps triangles or classifies without lists, and SHB_ERROR_ARGUMENT where the pass
+ * over the vertices for the scene's scale meets an index that is out of range; the map keeps what
+ * it held then. One call at a time for a context, and none while others ask the map. */
 shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                         shb_draw_stats *stats);
 
