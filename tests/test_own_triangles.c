@@ -280,6 +280,25 @@ TEST(ids_that_do_not_fit_the_positions_are_not_believed) {
     }
 }
 
+/* The plate ends at x = 0.1, the named point 1e-6 before that: dark. A position beyond is taken for
+ * the same point up to 2^-18 of the corners' sizes, which are 3 in sum: 1.1e-5. */
+TEST(positions_count_where_they_are_farther_off_than_a_host_rounds) {
+    static const uint32_t id = 0;
+    const float weight_1 = 0.3f - 0x1p-21f, weight_2 = 0.25f;
+    const shb_bias exact = shb_bias_exact();
+    plate_map host;
+    open_plate(&host, SHB_OCCLUDERS_LISTS);
+    for (int far = 0; far < 2; far++) {
+        const float position[] = {0.1f + (far ? 0x1p-16f : 0x1p-17f), -0.5f, 0};
+        const shb_points point = {
+            .count = 1, .positions = position, .own = {&id, &weight_1, &weight_2}};
+        float visibility = 7;
+        CHECK_INT(shb_map_visibility(host.map, &point, &exact, NULL, &visibility), SHB_OK);
+        CHECK(visibility == (float)far);
+    }
+    close_plate(&host);
+}
+
 /* What a frame's fragments saw, pixel by pixel. */
 enum { FRAME = 96 };
 typedef struct seen_frame {

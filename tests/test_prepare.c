@@ -3,6 +3,7 @@
 #include "test.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { SIZE = 4 };
 
@@ -156,6 +157,31 @@ static void open_drawn_host(host *h) {
 }
 
 /* Its memory waits for the next preparation, which may return another. */
+TEST(built_in_filters_that_read_only_what_they_prepared_are_refused_without_it) {
+    static const char *const reading[] = {
+        "variance",     "exponential-variance",      "moments",        "variance-soft",
+        "moments-soft", "exponential-variance-soft", "backprojection", "bitmask"};
+    const shb_bias none = shb_bias_none();
+    const shb_points points = {.count = 1, .positions = (float[]){0, 0, 0}};
+    size_t count, refused = 0;
+    const shb_filter_method *methods = shb_filter_methods(&count);
+    host h;
+    open_host(&h);
+    for (size_t i = 0; i < count; i++) {
+        const shb_filter filter = methods[i].make();
+        bool reads = false;
+        for (size_t k = 0; k < sizeof reading / sizeof *reading; k++)
+            reads |= strcmp(filter.name, reading[k]) == 0;
+        float visibility = -7;
+        CHECK_INT(shb_map_visibility(h.map, &points, &none, &filter, &visibility),
+                  reads ? SHB_ERROR_UNSUPPORTED : SHB_OK);
+        CHECK((visibility == -7) == reads);
+        refused += reads;
+    }
+    CHECK_INT(refused, sizeof reading / sizeof *reading);
+    close_host(&h);
+}
+
 TEST(drawing_a_map_outdates_what_was_prepared) {
     host h;
     open_drawn_host(&h);

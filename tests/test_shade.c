@@ -279,6 +279,27 @@ TEST(shade_error_view_tells_the_errors_apart) {
     two_lights_destroy(&t);
 }
 
+/* 0.5 is not below 0.5. */
+TEST(shade_error_view_takes_half_a_light_for_lit) {
+    static shb_fragments fragments;
+    static shb_lighting lighting;
+    static const uint8_t truth[] = {SHB_TRUTH_LIT, SHB_TRUTH_SHADOWED};
+    const shb_shade_error_params params = {truth, 2};
+    SHB_ALIGN float red[SHB_BATCH], green[SHB_BATCH], blue[SHB_BATCH];
+    fragments.pixel_x[1] = 1;
+    lighting.visibility[0] = lighting.visibility[1] = 0.5f;
+    shb_shade_error(&(shb_shade_args){.count = 2,
+                                      .fragments = &fragments,
+                                      .light_count = 1,
+                                      .lighting = &lighting,
+                                      .user = &params,
+                                      .red = red,
+                                      .green = green,
+                                      .blue = blue});
+    CHECK(red[0] == green[0] && green[0] == blue[0]);
+    CHECK(blue[1] == 1 && red[1] < 0.1f);
+}
+
 typedef struct logged {
     unsigned calls;
     bool names_shade;
