@@ -2,7 +2,8 @@
  * cell is skipped, drawn without edges or drawn with them. It is skipped if the triangle does not
  * touch it or lies behind everything in it: the tile keeps a bound of each cell's farthest depth,
  * lowered by the triangles that cover the whole cell, and one of the second layer: of two triangles
- * that cover the cell no second depth is beyond the farther one. */
+ * that cover the cell no second depth is beyond the farther one. Triangles within a few cells are
+ * left out if they lie behind all of them, where there is no second layer. */
 
 #define BLOCK_CELLS (SHB_SMALL / SHB_CELL)
 
@@ -39,6 +40,25 @@ static void load_farthest(const shb_tile *tile, int layers, int32_t left, int32_
     for (int row = 0; row < BLOCK_CELLS; row++)
         for (int column = 0; column < BLOCK_CELLS; column++)
             farthest[row * BLOCK_CELLS + column] = cells[row * tile->cell_stride + column];
+}
+
+/* True if the triangle lies behind everything in the cells of a part of its box. Of second layers
+ * too few are to pay for the question. */
+static inline __attribute__((always_inline)) bool
+is_part_hidden(const shb_tile *tile, int layers, const chunk_boxes *boxes,
+               const chunk_planes *planes, int t, bool plain, const sample_rectangle *part) {
+    const int32_t near_x = planes->step_x[t] < 0 ? part->right - 1 : part->left;
+    const int32_t near_y = planes->step_y[t] < 0 ? part->bottom - 1 : part->top;
+    const float nearest =
+        depth_at(planes, t, layers, plain, near_x - boxes->x[t], near_y - boxes->y[t]);
+    const int32_t first = (part->left - tile->x0) / SHB_CELL;
+    const int32_t last = (part->right - 1 - tile->x0) / SHB_CELL;
+    const int32_t last_row = (part->bottom - 1 - tile->y0) / SHB_CELL;
+    for (int32_t row = (part->top - tile->y0) / SHB_CELL; row <= last_row; row++)
+        for (int32_t column = first; column <= last; column++)
+            if (!(tile->cells[row * tile->cell_stride + column] < nearest))
+                return false;
+    return true;
 }
 
 /* Cells that no edge rejects, and those that no edge crosses. */
