@@ -330,6 +330,9 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, int count
     case LAYER_IDS:
         draw_classes(ids, tile, LAYER_IDS, boxes, planes, &samples, classes);
         break;
+    case LAYER_SECOND:
+        draw_classes(ids, tile, LAYER_SECOND, boxes, planes, &samples, classes);
+        break;
     case LAYER_IDS | LAYER_PLANES:
         draw_classes(ids, tile, LAYER_IDS | LAYER_PLANES, boxes, planes, &samples, classes);
         break;
