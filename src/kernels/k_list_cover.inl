@@ -21,6 +21,7 @@
  * All of it holds for cells that are larger by the frame's rim. A sample that an edge passes too
  * closely, and triangles whose outline is not known, leave a number that nothing takes away. */
 
+#include "kept_lanes.h"
 #include "lane_masks.h"
 
 /* Where triangles are counted, in a cell's size from its corner: where no edge passes by because a
@@ -171,49 +172,12 @@ static inline uint32_t last_cell(uint32_t texel, uint32_t tile, int bits) {
     return (last < SHB_LIST_TILE ? last : SHB_LIST_TILE - 1) >> bits;
 }
 
-/* WIDE cells of a window of four by four from lane i on, the rest of its rows a stride apart. */
-static inline vf load_window(const float *at, size_t stride, int i) {
-#if WIDE == 16
-    (void)i;
-    const __m512 one = _mm512_castps128_ps512(_mm_loadu_ps(at));
-    const __m512 two = _mm512_insertf32x4(one, _mm_loadu_ps(at + stride), 1);
-    const __m512 three = _mm512_insertf32x4(two, _mm_loadu_ps(at + 2 * stride), 2);
-    return _mm512_insertf32x4(three, _mm_loadu_ps(at + 3 * stride), 3);
-#else
-    const float *from = at + (size_t)(i / 4) * stride + i % 4;
-#if WIDE == 8
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(from)),
-                                _mm_loadu_ps(from + stride), 1);
-#else
-    return vf_load(from);
-#endif
-#endif
-}
-
-static inline void store_window(float *at, size_t stride, int i, vf v) {
-#if WIDE == 16
-    (void)i;
-    _mm_storeu_ps(at, _mm512_castps512_ps128(v));
-    _mm_storeu_ps(at + stride, _mm512_extractf32x4_ps(v, 1));
-    _mm_storeu_ps(at + 2 * stride, _mm512_extractf32x4_ps(v, 2));
-    _mm_storeu_ps(at + 3 * stride, _mm512_extractf32x4_ps(v, 3));
-#else
-    float *to = at + (size_t)(i / 4) * stride + i % 4;
-#if WIDE == 8
-    _mm_storeu_ps(to, _mm256_castps256_ps128(v));
-    _mm_storeu_ps(to + stride, _mm256_extractf128_ps(v, 1));
-#else
-    vf_store(to, v);
-#endif
-#endif
-}
-
 static inline vi load_window_i(const int32_t *at, size_t stride, int i) {
-    return (vi)load_window((const float *)at, stride, i);
+    return (vi)vf_load_square((const float *)at, stride, i);
 }
 
 static inline void store_window_i(int32_t *at, size_t stride, int i, vi v) {
-    store_window((float *)at, stride, i, (vf)v);
+    vf_store_square((float *)at, stride, i, (vf)v);
 }
 
 /* Blocks of a row, one bit each, such that a window that begins there has cells which do not hide a
@@ -246,12 +210,12 @@ static inline vm add_to_sheets(const list_batch *b, int t, vm enters, const vf a
                                size_t cell, size_t stride, int i, vf *sheet_end) {
     vi sum_0 = load_window_i(sheets->sums[0] + cell, stride, i);
     vi sum_1 = load_window_i(sheets->sums[1] + cell, stride, i);
-    vf last = load_window(sheets->ends + cell, stride, i);
-    vf first = load_window(sheets->begins + cell, stride, i);
+    vf last = vf_load_square(sheets->ends + cell, stride, i);
+    vf first = vf_load_square(sheets->begins + cell, stride, i);
     const vm renews = vm_below(closed_cells(enters, sum_0, sum_1), end, first);
     if (vm_bits(renews)) {
         float *behind = sheets->behind + cell;
-        store_window(behind, stride, i, vf_pick(renews, first, load_window(behind, stride, i)));
+        vf_store_square(behind, stride, i, vf_pick(renews, first, vf_load_square(behind, stride, i)));
         first = vf_pick(renews, vf_splat(HUGE_VALF), first);
         last = vf_pick(renews, vf_splat(-HUGE_VALF), last);
         sum_0 = vi_pick(renews, vi_splat(0), sum_0);
@@ -274,8 +238,8 @@ static inline vm add_to_sheets(const list_batch *b, int t, vm enters, const vf a
     first = vf_pick(enters, vf_min(first, begin), first);
     store_window_i(sheets->sums[0] + cell, stride, i, sum_0);
     store_window_i(sheets->sums[1] + cell, stride, i, sum_1);
-    store_window(sheets->ends + cell, stride, i, last);
-    store_window(sheets->begins + cell, stride, i, first);
+    vf_store_square(sheets->ends + cell, stride, i, last);
+    vf_store_square(sheets->begins + cell, stride, i, first);
     *sheet_end = last;
     return closed_cells(enters, sum_0, sum_1);
 }
@@ -284,26 +248,10 @@ static inline vm add_to_sheets(const list_batch *b, int t, vm enters, const vf a
  */
 static inline size_t append_entries(const shb_list_unsorted *entries, size_t end, uint32_t number,
                                     vi cells, uint32_t bits, vf begins) {
-#if WIDE == 16
-    const __mmask16 mask = (__mmask16)bits;
-    _mm512_storeu_si512(entries->cells + end, _mm512_maskz_compress_epi32(mask, (__m512i)cells));
-    _mm512_storeu_ps(entries->begins + end, _mm512_maskz_compress_ps(mask, begins));
-    _mm512_storeu_si512(entries->triangles + end, _mm512_set1_epi32((int32_t)number));
+    vi_append((int32_t *)entries->cells, end, cells, bits);
+    vi_append((int32_t *)(void *)entries->begins, end, (vi)begins, bits);
+    vi_store((int32_t *)entries->triangles + end, vi_splat((int32_t)number));
     return (size_t)__builtin_popcount(bits);
-#else
-    float from[WIDE];
-    uint32_t of[WIDE];
-    size_t count = end;
-    memcpy(from, &begins, sizeof from);
-    memcpy(of, &cells, sizeof of);
-    for (; bits; bits &= bits - 1) {
-        const uint32_t lane = (uint32_t)__builtin_ctz(bits);
-        entries->triangles[count] = number;
-        entries->begins[count] = from[lane];
-        entries->cells[count++] = of[lane];
-    }
-    return count - end;
-#endif
 }
 
 /* Puts a triangle into the cells of the window of four by four from a column and a row on. */
@@ -332,7 +280,7 @@ static inline __attribute__((always_inline)) void cover_window(shb_list_cover *c
         const vf depth = b->slope_x[t] * at[0] + b->slope_y[t] * at[1];
         const vf begin = vf_max(depth + b->begin[t], vf_splat(b->nearest[t]));
         const vf end = depth + b->end[t];
-        const vf before = load_window(cover->far + cell, stride, i);
+        const vf before = vf_load_square(cover->far + cell, stride, i);
         const vf most = vf_min(vf_min(weights[0], weights[1]), weights[2]);
         const vm near = vm_and(vm_not_above(at[0], last_x), vm_not_above(at[1], last_y));
         const vm meets = vm_and(near, vm_not_above(vf_splat(0), most));
@@ -353,12 +301,13 @@ static inline __attribute__((always_inline)) void cover_window(shb_list_cover *c
             hiding |= vm_bits(closed);
         }
         if (hiding) {
-            store_window(cover->far + cell, stride, i, far);
+            vf_store_square(cover->far + cell, stride, i, far);
             cover->is_nearer = true;
         }
-        cover->unsorted.count +=
-            append_entries(&cover->unsorted, cover->unsorted.count, b->numbers[t],
-                           corner + vi_load(cover->lane_cells + i), bits, begin);
+        if (!with_sheets || bits)
+            cover->unsorted.count +=
+                append_entries(&cover->unsorted, cover->unsorted.count, b->numbers[t],
+                               corner + vi_load(cover->lane_cells + i), bits, begin);
     }
 }
 

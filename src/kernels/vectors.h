@@ -268,4 +268,40 @@ static inline void vf_write_quads(void *to, size_t stride, const vf in[4]) {
 }
 #endif
 
+/* WIDE numbers from lane i on of a square of four by four, whose rows are a stride apart. */
+#if WIDE == 16
+static inline vf vf_load_square(const float *at, size_t stride, int i) {
+    (void)i;
+    const __m512 one = _mm512_castps128_ps512(_mm_loadu_ps(at));
+    const __m512 two = _mm512_insertf32x4(one, _mm_loadu_ps(at + stride), 1);
+    const __m512 three = _mm512_insertf32x4(two, _mm_loadu_ps(at + 2 * stride), 2);
+    return _mm512_insertf32x4(three, _mm_loadu_ps(at + 3 * stride), 3);
+}
+static inline void vf_store_square(float *at, size_t stride, int i, vf v) {
+    (void)i;
+    _mm_storeu_ps(at, _mm512_castps512_ps128(v));
+    _mm_storeu_ps(at + stride, _mm512_extractf32x4_ps(v, 1));
+    _mm_storeu_ps(at + 2 * stride, _mm512_extractf32x4_ps(v, 2));
+    _mm_storeu_ps(at + 3 * stride, _mm512_extractf32x4_ps(v, 3));
+}
+#elif WIDE == 8
+static inline vf vf_load_square(const float *at, size_t stride, int i) {
+    const float *from = at + (size_t)(i / 4) * stride;
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(from)),
+                                _mm_loadu_ps(from + stride), 1);
+}
+static inline void vf_store_square(float *at, size_t stride, int i, vf v) {
+    float *to = at + (size_t)(i / 4) * stride;
+    _mm_storeu_ps(to, _mm256_castps256_ps128(v));
+    _mm_storeu_ps(to + stride, _mm256_extractf128_ps(v, 1));
+}
+#else
+static inline vf vf_load_square(const float *at, size_t stride, int i) {
+    return vf_load(at + (size_t)(i / 4) * stride + i % 4);
+}
+static inline void vf_store_square(float *at, size_t stride, int i, vf v) {
+    vf_store(at + (size_t)(i / 4) * stride + i % 4, v);
+}
+#endif
+
 #endif
