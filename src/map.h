@@ -38,12 +38,6 @@ typedef struct shb_placed_scene {
     size_t count;
 } shb_placed_scene;
 
-/* Finds the planes of triangles while a map that keeps them is drawn. */
-typedef struct shb_drawn_planes {
-    shb_plane_finder finder;
-    const struct shb_map *map;
-} shb_drawn_planes;
-
 /* What the buffers of a context's occluder_scratch hold: what a map of triangles kept of an earlier
  * drawing, for the next one, and what maps are drawn with. */
 enum {
@@ -68,8 +62,7 @@ typedef struct shb_occluder_data {
     shb_topology topology; /* of the latest scene, kept for the next drawing */
     shb_light_mesh mesh;
     shb_sheets sheets;
-    shb_sheet_bins bins; /* while a scene is drawn, as what follows */
-    shb_drawn_planes drawn;
+    shb_sheet_bins bins; /* while a scene is drawn */
 } shb_occluder_data;
 
 /* What a filter made of the map's depths; by what, as in shb_filter. */

@@ -12,6 +12,7 @@
 #include "draw.h"
 #include "format.h"
 #include "lists.h"
+#include "occluder_planes.h"
 #include "occluders.h"
 #include "prepare.h"
 #include "scene.h"
@@ -149,8 +150,9 @@ static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias 
         desc.id_stride = occluders.stride;
     }
     const bool draws_planes = keeps_texels && map->info.occluders == SHB_OCCLUDERS_PLANES;
+    const shb_drawn_planes drawn_planes = shb_drawn_planes_of(map);
     result =
-        shb_draw_planes(map->context, &desc, draws_planes ? &occluders.drawn.finder : NULL, stats);
+        shb_draw_planes(map->context, &desc, draws_planes ? &drawn_planes.finder : NULL, stats);
     if (result != SHB_OK) {
         if (prepares)
             shb_occluders_release(map, &occluders);

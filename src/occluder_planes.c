@@ -57,8 +57,8 @@ static void find_drawn(const shb_plane_finder *finder, const shb_draw_instance *
         map, instance->moves ? &instance->world_from_mesh : NULL, count, corners, planes);
 }
 
-shb_drawn_planes shb_drawn_planes_of(const shb_map *map, double slope_unit) {
-    return (shb_drawn_planes){{find_drawn, slope_unit}, map};
+shb_drawn_planes shb_drawn_planes_of(const shb_map *map) {
+    return (shb_drawn_planes){{find_drawn, map->occluders.slope_unit}, map};
 }
 
 /* Planes of the instance's triangles from id on. */

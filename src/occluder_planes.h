@@ -17,8 +17,13 @@ typedef struct shb_placed_instance {
 /* False: out of memory. */
 bool shb_placed_scene_make(shb_context *context, const shb_scene *scene, shb_placed_scene *placed);
 
-/* Finds the planes of what is drawn into the map. */
-shb_drawn_planes shb_drawn_planes_of(const shb_map *map, double slope_unit);
+/* Finds the planes of triangles while a map that keeps them is drawn. */
+typedef struct shb_drawn_planes {
+    shb_plane_finder finder;
+    const shb_map *map;
+} shb_drawn_planes;
+
+shb_drawn_planes shb_drawn_planes_of(const shb_map *map);
 
 /* One a triangle of the scene. */
 void shb_occluder_planes_make(const shb_map *map, const shb_placed_scene *placed, size_t count,

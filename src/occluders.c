@@ -161,7 +161,6 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
     made->world_planes = NULL;
     for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
         made->kept[i] = (shb_buffer){NULL, 0};
-    made->drawn = shb_drawn_planes_of(map, made->slope_unit);
     bool done = true;
     if (shb_map_keeps_sheets(map))
         done = shb_sheet_bins_reserve(map->context, &map->info, count, &made->bins);
