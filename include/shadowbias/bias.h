@@ -194,7 +194,10 @@ shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
  * Triangles: from the triangles of the four nearest samples over the mesh to the one that covers
  * the fragment's own light ray, which decides; as with planes where the mesh ends or turns round on
  * the way. Closed meshes get no false shadow and edges that are straight inside a texel. Lists: the
- * answer of a ray caster, at any size of the map, from the position alone. Every triangle casts a
+ * answer of a ray caster, at any size of the map, from the position alone. In the taps of a filter,
+ * where surfaces turn between the fragment and the tap, an occluder that is the fragment's own
+ * surface casts no shadow: triangles follow it over the mesh; planes, in the boxes of pcf and
+ * pcf-smooth, over neighbouring texels whose planes meet. Every triangle casts a
  * shadow, whatever its culling, where it lies at or beyond the near plane; there is no far plane.
  */
 shb_bias shb_bias_exact(void);

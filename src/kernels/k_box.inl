@@ -68,7 +68,7 @@ static inline ALWAYS_INLINE double W(weigh_rows)(const texel_box *b, const W(box
         W(wi_store)(columns + start, count);
         shadowed += W(wi_sum)(count);
     } while ((start += LANES) < n);
-    return weigh_columns(columns, shadowed, n, end - first, right_weight);
+    return weigh_columns(columns[0], columns[n - 1], shadowed, n, end - first, right_weight);
 }
 
 static inline ALWAYS_INLINE double W(weigh_box)(const box_batch *batch, size_t i,

@@ -4,7 +4,8 @@
 
 #define BOX_MAX 63
 
-/* Floats in a row of a window: room for whole vectors. */
+/* Floats in a row of a window: room for whole vectors. A row is left for those that begin at the
+ * second texel of the last one. */
 #define BOX_PITCH 64
 
 /* Columns of a box counted from the one after its last, for boxes that begin at an element
@@ -36,8 +37,8 @@ typedef struct box_batch {
     float ref[SHB_BATCH], step_x[SHB_BATCH], step_y[SHB_BATCH]; /* as the map stores depth; of
                                                                    TAPS_FLAT ref is limited */
     int32_t limited[SHB_BATCH];              /* of TAPS_PLANE: 0, or -1 where it is not TAPS_NEAR */
-    float window[BOX_MAX * BOX_PITCH];       /* a copy of a box that cannot be read in place */
-    uint32_t occluders[BOX_MAX * BOX_PITCH]; /* of the exact method: the same of its occluders */
+    float window[(BOX_MAX + 1) * BOX_PITCH]; /* a copy of a box that cannot be read in place */
+    uint32_t occluders[(BOX_MAX + 1) * BOX_PITCH]; /* of the exact method: of its occluders */
     float given[BOX_MAX * BOX_PITCH]; /* TAPS_GIVEN: depths of its taps, as the map stores depth */
 } box_batch;
 
@@ -142,13 +143,13 @@ static inline ALWAYS_INLINE double last_weight(float to_center, int n) {
     return n % 2 == 0 && to_center < 0 ? -(double)to_center : weight;
 }
 
-/* Lit taps of some rows, those of the outer columns by their weights. columns: how many of each one
- * are shadowed, together shadowed. */
-static inline ALWAYS_INLINE double weigh_columns(const int32_t *columns, int32_t shadowed, int n,
-                                                 int32_t rows, double right_weight) {
-    const int32_t left = rows - columns[0], right = rows - columns[n - 1];
-    const int32_t inner = n * rows - shadowed - left - right;
-    return ((1 - right_weight) * left + right_weight * right) + inner;
+/* Lit taps of some rows, those of the outer columns by their weights, of which left and right are
+ * shadowed, and shadowed of all. */
+static inline ALWAYS_INLINE double weigh_columns(int32_t left, int32_t right, int32_t shadowed,
+                                                 int n, int32_t rows, double right_weight) {
+    const int32_t lit_left = rows - left, lit_right = rows - right;
+    const int32_t inner = n * rows - shadowed - lit_left - lit_right;
+    return ((1 - right_weight) * lit_left + right_weight * lit_right) + inner;
 }
 
 static inline ALWAYS_INLINE float weight_share(double lit, int n) {

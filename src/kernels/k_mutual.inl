@@ -1,8 +1,8 @@
 /* The exact method in taps: a tap is shadowed if what the map holds lies in front of the fragment's
  * plane at the texel's centre, and the plane of that occluder in front of the fragment at the
  * fragment's own place (shb_exact_is_shadowed, but for what snapping moves, which is
- * some millionths of a box); and, where the map keeps triangles, the occluder's sheet does not go
- * on to be the fragment's own.
+ * some millionths of a box); and the occluder's sheet does not go on to be the fragment's own: over
+ * the mesh where the map keeps triangles, from texel to texel in boxes where it keeps planes.
  *
  * The bounds are those of light_point.h, made larger so that they are sums of few floats, taken
  * once for a fragment and all its taps; where that makes a difference, taps are lit. In the units

@@ -1,6 +1,8 @@
 /* Boxes of texels by the exact method, where a map keeps planes: both conditions of a tap for whole
  * vectors of columns without a branch, which the hits of single rows would often mislead. */
 
+#include "k_box_sheet.inl"
+
 /* How the rows of boxes of WIDE fragments lie to them, counted from the first row. */
 typedef struct row_ways {
     float drop[BOX_MAX][WIDE]; /* of a fragment's plane, as its ref and steps */
@@ -28,42 +30,52 @@ static inline ALWAYS_INLINE void find_row_ways(const box_batch *batch, const uin
     }
 }
 
-/* Shadowed taps in rows first .. end - 1 of WIDE columns from start on, column by column; lane: of
- * fragment i among those of ways. */
-static inline ALWAYS_INLINE vi shadowed_rows(const box_batch *batch, size_t i, const texel_box *b,
-                                             const row_ways *ways, size_t lane, int n, int start,
-                                             int first, int end, bool reversed) {
+/* Shadowed taps of WIDE columns from start on; lane: of fragment i among those of ways. */
+static inline ALWAYS_INLINE void find_shadowed_from(const box_batch *batch, size_t i,
+                                                    const texel_box *b, const row_ways *ways,
+                                                    size_t lane, int n, int start, bool reversed,
+                                                    box_bits *shadowed) {
     const shb_receivers *r = batch->receivers;
     const mutual_lanes own = mutual_lanes_of_one(batch->mutual, i);
     const vf far_depth = vf_splat(shb_far_depth(reversed));
     const vf m = vf_load(columns_from_end + BOX_PITCH - n + start) + (float)(n + b->column);
     const vf plane = r->ref[i] + m * r->step_x[i];
     const mutual_way x = mutual_way_of(own.moved_x, r->to_center_x[i] + m, length_unit(batch->map));
-    const char *texels = b->texels + (size_t)start * sizeof(float) + (size_t)first * b->stride;
-    const char *occluders =
-        b->occluders + (size_t)start * sizeof(uint32_t) + (size_t)first * b->occluder_stride;
-    vi shadowed = {0};
-    for (int k = first; k < end; k++) {
+    const char *texels = b->texels + (size_t)start * sizeof(float);
+    const char *occluders = b->occluders + (size_t)start * sizeof(uint32_t);
+    for (int k = 0; k < n; k++) {
         const vf depth = vf_load((const float *)(const void *)texels);
         const vf stored = reversed ? -depth : depth;
         const vf tap = vf_min(far_depth, plane + ways->drop[k][lane]);
         const mutual_way y = {vf_splat(ways->rising[k][lane]), vf_splat(ways->falling[k][lane])};
         vu slopes;
         memcpy(&slopes, occluders, sizeof slopes);
-        shadowed -= (stored < tap) & passes_in_front(own.z, own.base, &x, &y, stored, slopes);
+        const uint64_t bits =
+            vi_bits((stored < tap) & passes_in_front(own.z, own.base, &x, &y, stored, slopes));
+        shadowed->rows[k] = start ? shadowed->rows[k] | bits << start : bits;
         texels += b->stride;
         occluders += b->occluder_stride;
     }
-    return shadowed;
 }
 
-static inline ALWAYS_INLINE vi shadowed_in_box(const box_batch *batch, size_t i, const texel_box *b,
+/* Where the fragment's own texel lights it, it stands on a sheet that may light other taps. */
+static inline ALWAYS_INLINE void find_shadowed(const box_batch *batch, size_t i, const texel_box *b,
                                                const row_ways *ways, size_t lane, int n,
-                                               bool reversed) {
-    vi shadowed = shadowed_rows(batch, i, b, ways, lane, n, 0, 0, n, reversed);
-    for (int start = WIDE; start < n; start += WIDE)
-        shadowed += shadowed_rows(batch, i, b, ways, lane, n, start, 0, n, reversed);
-    return shadowed;
+                                               bool reversed, box_bits *shadowed) {
+    uint64_t any = 0;
+    for (int start = 0; start < n; start += WIDE)
+        find_shadowed_from(batch, i, b, ways, lane, n, start, reversed, shadowed);
+    for (int k = 0; k < n; k++)
+        any |= shadowed->rows[k];
+    if (any && !(shadowed->rows[-b->row] >> -b->column & 1))
+        light_sheet(batch, i, b, reversed, shadowed);
+}
+
+static inline ALWAYS_INLINE int32_t count_bits(const box_bits *bits, int first, int end) {
+    int32_t count = 0;
+    for (int k = first; k < end; k++)
+        count += __builtin_popcountll(bits->rows[k]);
+    return count;
 }
 
 static inline ALWAYS_INLINE texel_box exact_box_in_place(const box_batch *batch, size_t i) {
@@ -82,79 +94,48 @@ static inline ALWAYS_INLINE void prefetch_slopes(const box_batch *batch, size_t 
         __builtin_prefetch(b.occluders + (size_t)row * b.occluder_stride);
 }
 
-/* As weigh_box of k_box.inl. */
-static inline ALWAYS_INLINE double lit_rows(const box_batch *batch, size_t i, const texel_box *b,
-                                            const row_ways *ways, size_t lane, int n, int first,
-                                            int end, double right_weight, bool reversed) {
-    SHB_ALIGN int32_t columns[BOX_PITCH];
-    vi shadowed = {0};
-    int start = 0;
-    do {
-        const vi part = shadowed_rows(batch, i, b, ways, lane, n, start, first, end, reversed);
-        vi_store(columns + start, part);
-        shadowed += part;
-    } while ((start += WIDE) < n);
-    return weigh_columns(columns, WIDELY(wi_sum)((WIDELY(wi))shadowed), n, end - first,
+static inline ALWAYS_INLINE double lit_rows(const box_bits *shadowed, int n, int first, int end,
+                                            double right_weight) {
+    int32_t left = 0, right = 0;
+    for (int k = first; k < end; k++) {
+        left += (int32_t)(shadowed->rows[k] & 1);
+        right += (int32_t)(shadowed->rows[k] >> (n - 1) & 1);
+    }
+    return weigh_columns(left, right, count_bits(shadowed, first, end), n, end - first,
                          right_weight);
 }
 
-static inline ALWAYS_INLINE float lit_part(const box_batch *batch, size_t i, const texel_box *b,
-                                           const row_ways *ways, size_t lane, int n,
-                                           bool reversed) {
+/* As weigh_box of k_box.inl. */
+static inline ALWAYS_INLINE float lit_part(const box_batch *batch, size_t i,
+                                           const box_bits *shadowed, int n) {
     const double right = last_weight(batch->receivers->to_center_x[i], n);
     const double bottom = last_weight(batch->receivers->to_center_y[i], n);
-    const double above = lit_rows(batch, i, b, ways, lane, n, 0, 1, right, reversed);
-    const double inner = lit_rows(batch, i, b, ways, lane, n, 1, n - 1, right, reversed);
-    const double below = lit_rows(batch, i, b, ways, lane, n, n - 1, n, right, reversed);
+    const double above = lit_rows(shadowed, n, 0, 1, right);
+    const double inner = lit_rows(shadowed, n, 1, n - 1, right);
+    const double below = lit_rows(shadowed, n, n - 1, n, right);
     return weight_share(((1 - bottom) * above + bottom * below) + inner, n);
 }
 
-/* Boxes of n x n texels in place, those of count fragments and more to fill the vectors. */
-static inline ALWAYS_INLINE void count_listed(const box_batch *batch, const uint16_t *fragments,
-                                              size_t count, int n, bool reversed,
-                                              float *visibility) {
-    SHB_ALIGN int32_t shadowed[SHB_BATCH];
-    row_ways ways;
-    for (size_t k = 0; k < count; k += WIDE) {
-        WIDELY(wi) counts[WIDE];
-        find_row_ways(batch, fragments + k, n, &ways);
-#pragma GCC unroll 1
-        for (size_t lane = 0; lane < WIDE; lane++) {
-            const size_t i = fragments[k + lane];
-            const texel_box b = exact_box_in_place(batch, i);
-            prefetch_slopes(batch, fragments[k + lane + BOXES_AHEAD], n);
-            counts[lane] = (WIDELY(wi))shadowed_in_box(batch, i, &b, &ways, lane, n, reversed);
-        }
-        WIDELY(wi_store)(shadowed + k, WIDELY(wi_sums)(counts));
-    }
-    for (size_t k = 0; k < count; k++)
-        visibility[fragments[k]] = box_share(n, shadowed[k]);
+static inline ALWAYS_INLINE float lit_share(const box_batch *batch, size_t i, bool smooth,
+                                            const box_bits *shadowed, int n) {
+    return smooth ? lit_part(batch, i, shadowed, n) : box_share(n, count_bits(shadowed, 0, n));
 }
 
-static inline ALWAYS_INLINE void weigh_listed(const box_batch *batch, const uint16_t *fragments,
-                                              size_t count, int n, bool reversed,
-                                              float *visibility) {
+/* Boxes of n x n texels in place, those of count fragments and more to fill the vectors. */
+static inline ALWAYS_INLINE void ask_listed(const box_batch *batch, bool smooth,
+                                            const uint16_t *fragments, size_t count, int n,
+                                            bool reversed, float *visibility) {
     row_ways ways;
     for (size_t k = 0; k < count; k++) {
         const size_t i = fragments[k];
         const texel_box b = exact_box_in_place(batch, i);
+        box_bits shadowed;
         if (k % WIDE == 0)
             find_row_ways(batch, fragments + k, n, &ways);
         prefetch_slopes(batch, fragments[k + BOXES_AHEAD], n);
-        visibility[i] = lit_part(batch, i, &b, &ways, k % WIDE, n, reversed);
+        find_shadowed(batch, i, &b, &ways, k % WIDE, n, reversed, &shadowed);
+        visibility[i] = lit_share(batch, i, smooth, &shadowed, n);
     }
-}
-
-static NEVER_INLINE void ask_listed(const box_batch *batch, bool smooth, const uint16_t *fragments,
-                                    size_t count, int n, float *visibility) {
-    if (smooth && batch->reversed)
-        weigh_listed(batch, fragments, count, n, true, visibility);
-    else if (smooth)
-        weigh_listed(batch, fragments, count, n, false, visibility);
-    else if (batch->reversed)
-        count_listed(batch, fragments, count, n, true, visibility);
-    else
-        count_listed(batch, fragments, count, n, false, visibility);
 }
 
 /* Fragments in place that their own planes do not light in all taps; room for more of them. */
@@ -190,7 +171,10 @@ static void ask_open_boxes(const box_batch *batch, bool smooth, size_t count, fl
         const size_t found = list_of_size(batch, n, open, &left, fragments);
         for (size_t k = 0; k < SHB_LANES + BOXES_AHEAD; k++)
             fragments[found + k] = fragments[found - 1];
-        ask_listed(batch, smooth, fragments, found, n, visibility);
+        if (batch->reversed)
+            ask_listed(batch, smooth, fragments, found, n, true, visibility);
+        else
+            ask_listed(batch, smooth, fragments, found, n, false, visibility);
     }
 }
 
@@ -199,13 +183,12 @@ static inline ALWAYS_INLINE float ask_copy(const box_batch *batch, bool smooth, 
     const int n = batch->size[i];
     uint16_t fragments[WIDE];
     row_ways ways;
+    box_bits shadowed;
     for (int lane = 0; lane < WIDE; lane++)
         fragments[lane] = (uint16_t)i;
     find_row_ways(batch, fragments, n, &ways);
-    if (smooth)
-        return lit_part(batch, i, b, &ways, 0, n, reversed);
-    const vi shadowed = shadowed_in_box(batch, i, b, &ways, 0, n, reversed);
-    return box_share(n, WIDELY(wi_sum)((WIDELY(wi))shadowed));
+    find_shadowed(batch, i, b, &ways, 0, n, reversed, &shadowed);
+    return lit_share(batch, i, smooth, &shadowed, n);
 }
 
 /* In map formats that are not float, and where the map ends. */
