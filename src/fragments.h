@@ -16,7 +16,7 @@ typedef struct shb_fragment_reader {
     size_t instance_count, next_instance; /* the one to be replaced next */
     const shb_surface_instance *instance; /* of the last triangle, or NULL */
     shb_surface_table table;
-    uint32_t left; /* the first column of what is read */
+    uint32_t left;            /* the first column of what is read */
     double centers[SHB_SPAN]; /* ndc x of the pixels' centres */
 } shb_fragment_reader;
 

@@ -12,9 +12,9 @@ typedef struct shb_layers {
     shb_samples samples;
     size_t pitch;
     float *nearest;
-    float *second; /* NULL: not wanted */
-    uint32_t *ids; /* or slopes, as the target says; NULL: not wanted */
-    float *cells;  /* for the kernels: bounds of the depth in squares of SHB_CELL samples */
+    float *second;  /* NULL: not wanted */
+    uint32_t *ids;  /* or slopes, as the target says; NULL: not wanted */
+    float *cells;   /* for the kernels: bounds of the depth in squares of SHB_CELL samples */
     uint8_t *marks; /* as in the target, from the first cell on; NULL: not known */
 } shb_layers;
 

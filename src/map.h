@@ -86,8 +86,8 @@ struct shb_map {
     int prepared_count;
     shb_depth_image depth;
     void *marks; /* where depths and occluders' texels are clear, see shb_clear_marks_size */
-    bool owned; /* texels were allocated by the map */
-    bool empty; /* owned and not drawn yet: serves every method */
+    bool owned;  /* texels were allocated by the map */
+    bool empty;  /* owned and not drawn yet: serves every method */
     bool classifies;
     bool measures; /* scene_scale is that of what is drawn */
     /* what the depths are: the method's combine stage and culling */

@@ -46,8 +46,8 @@ REAL_INLINE uint32_t REAL_NAME(exact_shadowed_bits)(const REAL_NAME(light_point)
     const REAL far_x = REAL_ABS(to_x), far_y = REAL_ABS(to_y);
     const REAL own = point->z + (slopes->x * to_x + slopes->y * to_y);
     const REAL turn = REAL_ABS(slopes->x - sample->slope_x) + REAL_ABS(slopes->y - sample->slope_y);
-    const REAL own_error = (error + (slopes->error_x * far_x + slopes->error_y * far_y)) +
-                           turn * SHB_SNAPPED_TEXELS;
+    const REAL own_error =
+        (error + (slopes->error_x * far_x + slopes->error_y * far_y)) + turn * SHB_SNAPPED_TEXELS;
     const REAL occluder = sample->depth - (sample->slope_x * to_x + sample->slope_y * to_y);
     const REAL occluder_error =
         REAL_NAME(light_point_error)(point, sample->slope_x, sample->slope_y) +

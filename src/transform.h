@@ -29,8 +29,8 @@ typedef struct shb_draw_instance {
     const shb_clusters
         *clusters; /* of the mesh, if they are what is drawn: it has no vertices then */
     shb_mat4 world_from_mesh, clip_from_mesh;
-    bool moves;  /* the mesh is not in the world as it is */
-    bool affine; /* w is 1 */
+    bool moves;                      /* the mesh is not in the world as it is */
+    bool affine;                     /* w is 1 */
     shb_corner_errors corner_errors; /* where planes are drawn */
     uint64_t first_vertex;
     uint64_t first_triangle; /* its id */

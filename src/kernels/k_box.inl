@@ -104,8 +104,8 @@ static inline ALWAYS_INLINE void W(count_group)(const box_batch *batch, size_t i
 }
 
 /* Shadowed taps of LANES fragments from i on. whole: the boxes of all of them are read in place. */
-static inline ALWAYS_INLINE W(wi) W(count_lanes)(const box_run *run, size_t i, bool whole, int n,
-                                                 tap_kind kind, bool reversed) {
+static inline ALWAYS_INLINE W(wi)
+    W(count_lanes)(const box_run *run, size_t i, bool whole, int n, tap_kind kind, bool reversed) {
     const box_batch *batch = run->batch;
     const int32_t *places = batch->place + i;
     int32_t readable[LANES];

@@ -53,8 +53,8 @@ static inline ALWAYS_INLINE wd combine(const wd *from, int axis, wd b, wd c) {
     return from[axis] + (b * from[3 + axis] + c * from[6 + axis]);
 }
 
-/* DOUBLES fragments by the fields place of their triangles; returns a bit for each whose centre lies
- * outside. */
+/* DOUBLES fragments by the fields place of their triangles; returns a bit for each whose centre
+ * lies outside. */
 static inline ALWAYS_INLINE uint32_t write_points(const wd *place, wd center_x, wd center_y,
                                                   shb_fragments *restrict out, size_t i,
                                                   wd *weights) {

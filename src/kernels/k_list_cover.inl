@@ -215,7 +215,8 @@ static inline vm add_to_sheets(const list_batch *b, int t, vm enters, const vf a
     const vm renews = vm_below(closed_cells(enters, sum_0, sum_1), end, first);
     if (vm_bits(renews)) {
         float *behind = sheets->behind + cell;
-        vf_store_square(behind, stride, i, vf_pick(renews, first, vf_load_square(behind, stride, i)));
+        vf_store_square(behind, stride, i,
+                        vf_pick(renews, first, vf_load_square(behind, stride, i)));
         first = vf_pick(renews, vf_splat(HUGE_VALF), first);
         last = vf_pick(renews, vf_splat(-HUGE_VALF), last);
         sum_0 = vi_pick(renews, vi_splat(0), sum_0);

@@ -156,8 +156,7 @@ static inline ALWAYS_INLINE side_bits find_sides(const shb_map *map, double roun
         for (int k = 0; k < 3; k++)
             plane[k] *= wd_load(g->world[k] + i);
         const wd distance = ((plane[0] + plane[1]) + plane[2]) + plane[3];
-        const wd error =
-            unit * ((wd_abs(plane[0]) + wd_abs(plane[1])) + wd_abs(plane[2])) + one;
+        const wd error = unit * ((wd_abs(plane[0]) + wd_abs(plane[1])) + wd_abs(plane[2])) + one;
         bits.in_front |= bits_at(wd_greater_bits(distance, error), i);
         bits.own |= bits_at(wd_greater_bits(error, wd_abs(distance)), i);
         bits.behind |= bits_at(wd_greater_bits(-error, distance), i);
@@ -269,8 +268,8 @@ static inline ALWAYS_INLINE uint64_t covered_bits(const shb_map *map, const shb_
             continue;
         const place_lanes p = find_places(map, g, readable, i);
         const wd farthest = wd_max(wd_max(p.beyond[0], p.beyond[1]), p.beyond[2]);
-        bits |= bits_at(wd_greater_bits(wd_abs(p.area), zero) & ~wd_greater_bits(farthest, zero),
-                        i);
+        bits |=
+            bits_at(wd_greater_bits(wd_abs(p.area), zero) & ~wd_greater_bits(farthest, zero), i);
     }
     return bits & wanted;
 }
@@ -303,9 +302,8 @@ static inline ALWAYS_INLINE void ask_nearest_as(const shb_map *map, bool affine,
     for (int k = 1; k < 4; k++)
         arrived &= joined_bits(&joined, g->samples[k]);
     lit |= arrived & are.own;
-    const uint64_t covered =
-        covered_bits(map, g, readable,
-                     links.whole & ~lit & ((arrived & sides.own) | (left & sides.in_front)));
+    const uint64_t covered = covered_bits(
+        map, g, readable, links.whole & ~lit & ((arrived & sides.own) | (left & sides.in_front)));
     g->joined = lit | (covered & arrived & sides.own);
     g->in_front = covered & sides.in_front & ~are.own;
 }

@@ -295,9 +295,8 @@ static void raise_planes(int count, const double *restrict bounds, double slope_
 
 /* What a map that keeps planes holds of the kept triangles. */
 static void take_planes(const shb_chunk *chunk, const shb_plane_finder *finder, int count,
-                        const int32_t *list, const chunk_corners *corners,
-                        const chunk_boxes *boxes, chunk_planes *planes,
-                        uint32_t slopes[SHB_CHUNK]) {
+                        const int32_t *list, const chunk_corners *corners, const chunk_boxes *boxes,
+                        chunk_planes *planes, uint32_t slopes[SHB_CHUNK]) {
     SHB_ALIGN double bounds[SHB_CHUNK];
     bound_planes(count, &chunk->instance->corner_errors, corners, boxes, planes, bounds);
     replace_planes(chunk, finder, count, list, boxes, planes, bounds);

@@ -91,8 +91,7 @@ static inline __attribute__((always_inline)) void W(draw_small)(const shb_tile *
                                                                 const chunk_planes *planes, int t,
                                                                 uint32_t id, bool plain) {
     const sample_rectangle part = W(clip_box)(tile, boxes, t);
-    if (!(layers & LAYER_SECOND) &&
-        is_part_hidden(tile, layers, boxes, planes, t, plain, &part))
+    if (!(layers & LAYER_SECOND) && is_part_hidden(tile, layers, boxes, planes, t, plain, &part))
         return;
     const int32_t i = part.left - boxes->x[t], j = part.top - boxes->y[t];
     block_edges edges;

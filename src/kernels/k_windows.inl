@@ -25,7 +25,7 @@ static inline ALWAYS_INLINE wide_window spanned(const shb_map_info *info,
 
 /* No texel of the window is nearer: the least of four cells, the smallest that hold it. */
 static inline ALWAYS_INLINE vf least_depth(const shb_depth_minima *minima, const shb_map_info *info,
-                                        const wide_window *w) {
+                                           const wide_window *w) {
     vi shift = vi_splat(SHB_MINIMA_SHIFT), larger = vi_splat(-1);
     while (vi_any(larger)) {
         larger =
