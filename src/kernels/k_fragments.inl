@@ -289,25 +289,11 @@ static inline ALWAYS_INLINE uint32_t display_byte(float linear) {
     return (uint32_t)(int32_t)(sqrtf(unit) * 255.0f + 0.5f);
 }
 
-/* The lower three bytes of each word. */
-static inline ALWAYS_INLINE void pack_pixels(size_t count, const uint32_t *pixels, uint8_t *bytes) {
-#if WIDE >= 8
-    const __m128i order = _mm_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
-    for (size_t i = 0; i < count; i += 4) {
-        const __m128i four = _mm_loadu_si128((const __m128i *)(const void *)(pixels + i));
-        _mm_storeu_si128((__m128i *)(void *)(bytes + 3 * i), _mm_shuffle_epi8(four, order));
-    }
-#else
-    for (size_t i = 0; i < count; i++)
-        memcpy(bytes + 3 * i, pixels + i, sizeof *pixels);
-#endif
-}
-
 static void display(size_t count, const float *restrict red, const float *restrict green,
                     const float *restrict blue, uint8_t *restrict bytes) {
     uint32_t pixels[SHB_SPAN];
     for (size_t i = 0; i < count; i++)
         pixels[i] =
             display_byte(red[i]) | display_byte(green[i]) << 8 | display_byte(blue[i]) << 16;
-    pack_pixels(count, pixels, bytes);
+    store_lower_triples(count, pixels, bytes);
 }

@@ -304,4 +304,18 @@ static inline void vf_store_square(float *at, size_t stride, int i, vf v) {
 }
 #endif
 
+/* The lower three bytes of each word; up to 13 bytes behind them are overwritten. */
+static inline void store_lower_triples(size_t count, const uint32_t *words, uint8_t *bytes) {
+#if WIDE >= 8
+    const __m128i order = _mm_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
+    for (size_t i = 0; i < count; i += 4) {
+        const __m128i four = _mm_loadu_si128((const __m128i *)(const void *)(words + i));
+        _mm_storeu_si128((__m128i *)(void *)(bytes + 3 * i), _mm_shuffle_epi8(four, order));
+    }
+#else
+    for (size_t i = 0; i < count; i++)
+        memcpy(bytes + 3 * i, words + i, sizeof *words);
+#endif
+}
+
 #endif
