@@ -328,8 +328,10 @@ static double miss_in_window(const bound_light *light, test_random *random,
                                           fmax(y[0], fmax(y[1], y[2])) + 1);
         const oracle_real depth =
             oracle_exact(plane.z0) +
-            oracle_exact(plane.gx) * (oracle_exact(at_x) - shape.samples.first_column - 0.5) +
-            oracle_exact(plane.gy) * (oracle_exact(at_y) - shape.samples.first_row - 0.5);
+            oracle_exact(plane.gx) *
+                (oracle_exact(at_x) - oracle_exact(shape.samples.first_column + 0.5)) +
+            oracle_exact(plane.gy) *
+                (oracle_exact(at_y) - oracle_exact(shape.samples.first_row + 0.5));
         const double off = fabs((double)(depth - plane_depth(places, at_x, at_y)));
         largest = fmax(largest, off / bound);
     }
