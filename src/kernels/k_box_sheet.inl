@@ -166,7 +166,7 @@ static void grow_rows(const box_joints *joints, int n, const box_bits *shadowed,
     while (grown && has_more(shadowed, sheet, n)) {
         grown = false;
         for (int step = 1 - n; step < n; step++)
-            grown |= grow_row(joints, n, n - 1 - abs(step), sheet);
+            grown |= grow_row(joints, n, n - 1 - (step < 0 ? -step : step), sheet);
     }
 }
 
