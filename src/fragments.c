@@ -190,10 +190,11 @@ static void prefetch_next(const shb_frame *frame, const shb_fragment_span *span)
 static inline uint32_t find_place(shb_surface_table *table, uint32_t id, uint32_t *count) {
     uint16_t *known = &table->places[id % SHB_TABLE];
     const uint32_t held = *known, next = *count;
-    const uint32_t place = ((held < next) & (table->ids[held] == id)) ? held : next;
+    const uint32_t is_there = (uint32_t)(held < next) & (uint32_t)(table->ids[held] == id);
+    const uint32_t place = next + ((held - next) & (0 - is_there));
     *known = (uint16_t)place;
     table->ids[next] = id;
-    *count = place < next ? next : next + 1;
+    *count = next + (1 - is_there);
     return place;
 }
 
