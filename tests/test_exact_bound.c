@@ -130,32 +130,45 @@ static long wanted_samples(long usual) {
 
 static const double offsets[] = {0, 2, 200, 20000};
 
+/* Misses as parts of their bounds. */
+typedef struct miss_count {
+    long tested, violations;
+    double largest;
+} miss_count;
+
+/* A negative ratio is none. */
+static void count_miss(miss_count *misses, double ratio) {
+    misses->tested += ratio >= 0;
+    misses->violations += ratio > 1;
+    misses->largest = ratio > misses->largest ? ratio : misses->largest;
+}
+
+static void check_misses(const miss_count *misses) {
+    test_check(misses->violations == 0, __FILE__, __LINE__, "%ld of %ld beyond the bound, up to %g",
+               misses->violations, misses->tested, misses->largest);
+}
+
 TEST(no_fragment_misses_its_plane_by_more_than_the_bound) {
     const long samples = wanted_samples(250000) / 4;
     test_random random = {11};
-    double largest = 0;
-    long tested = 0, violations = 0;
+    miss_count misses = {0};
     for (int lights = 0; lights < 48; lights++) {
         bound_light light;
         open_light(&light, &random, lights % 3, offsets[lights / 3 % 4], SHB_FORMAT_FLOAT32);
         for (long i = 0; i < samples / 48; i++) {
             float corners[3][3];
             random_corners(&random, &light, corners);
-            for (int k = 0; k < 4; k++) {
-                const double ratio = miss(&light, &random, (const float(*)[3])corners);
-                tested += ratio >= 0;
-                violations += ratio > 1;
-                largest = ratio > largest ? ratio : largest;
-            }
+            for (int k = 0; k < 4; k++)
+                count_miss(&misses, miss(&light, &random, (const float(*)[3])corners));
         }
         close_light(&light);
     }
-    test_check(violations == 0, __FILE__, __LINE__, "%ld of %ld beyond the bound, up to %g",
-               violations, tested, largest);
+    check_misses(&misses);
     if (getenv("SHB_BOUND_SAMPLES"))
-        printf("%ld points on planes, at most %g of the bound\n", tested, largest);
-    test_check(largest > 0.5, __FILE__, __LINE__, "the bound is loose: %g at most", largest);
-    CHECK(tested > samples);
+        printf("%ld points on planes, at most %g of the bound\n", misses.tested, misses.largest);
+    test_check(misses.largest > 0.5, __FILE__, __LINE__, "the bound is loose: %g at most",
+               misses.largest);
+    CHECK(misses.tested > samples);
 }
 
 enum { OWN_POINTS = 256 };
@@ -341,8 +354,8 @@ static double miss_in_window(const bound_light *light, test_random *random,
 TEST(no_plane_through_window_corners_misses_its_triangle_by_more_than_the_bound) {
     const long samples = wanted_samples(100000);
     test_random random = {13};
-    double largest = 0;
-    long tested = 0, violations = 0, unknown = 0;
+    miss_count misses = {0};
+    long unknown = 0;
     for (int lights = 0; lights < 48; lights++) {
         bound_light light;
         open_light(&light, &random, lights % 3, offsets[lights / 3 % 4], SHB_FORMAT_FLOAT32);
@@ -350,17 +363,14 @@ TEST(no_plane_through_window_corners_misses_its_triangle_by_more_than_the_bound)
             float corners[3][3];
             random_corners(&random, &light, corners);
             const double ratio = miss_in_window(&light, &random, (const float(*)[3])corners);
-            tested += ratio >= 0;
-            violations += ratio > 1;
+            count_miss(&misses, ratio);
             unknown += ratio < -1;
-            largest = ratio > largest ? ratio : largest;
         }
         close_light(&light);
     }
-    test_check(violations == 0, __FILE__, __LINE__, "%ld of %ld beyond the bound, up to %g",
-               violations, tested, largest);
+    check_misses(&misses);
     if (getenv("SHB_BOUND_SAMPLES"))
-        printf("%ld planes in windows, at most %g of the bound, %ld without one\n", tested, largest,
-               unknown);
-    CHECK(tested > samples / 64 && unknown > samples / 32);
+        printf("%ld planes in windows, at most %g of the bound, %ld without one\n", misses.tested,
+               misses.largest, unknown);
+    CHECK(misses.tested > samples / 64 && unknown > samples / 32);
 }

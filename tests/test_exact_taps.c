@@ -9,6 +9,7 @@
 #include "probe.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
+#include "slow_taps.h"
 #include "soup.h"
 #include "test.h"
 
@@ -91,127 +92,6 @@ static void ask(const asked_map *made, const points *given, const shb_filter *fi
     CHECK_INT(shb_map_visibility(made->map, &list, &exact, filter, visibility), SHB_OK);
 }
 
-static bool is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y) {
-    if (x < 0 || y < 0 || x >= (int)map->info.width || y >= (int)map->info.height)
-        return false;
-    const uint32_t texel = shb_occluder_row(map, y)[x];
-    const int32_t column = x, row = y;
-    shb_exact_sample sample = {.center_x = x + 0.5, .center_y = y + 0.5};
-    if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES) {
-        if (texel == SHB_ID_NONE)
-            return false;
-        const shb_occluder_plane *plane = &map->occluders.planes[texel];
-        sample.slope_x = plane->slope_x;
-        sample.slope_y = plane->slope_y;
-        sample.depth = shb_occluder_depth(plane, x + 0.5, y + 0.5) + plane->error;
-        return shb_exact_is_shadowed(fragment, &sample);
-    }
-    float depth;
-    shb_map_fetch(map, 1, &column, &row, &depth);
-    const double unit = map->occluders.slope_unit;
-    sample.depth = (double)depth;
-    sample.slope_x = (double)shb_half_to_float((uint16_t)texel) * unit;
-    sample.slope_y = (double)shb_half_to_float((uint16_t)(texel >> 16)) * unit;
-    sample.slope_error_x = fabs(sample.slope_x) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
-    sample.slope_error_y = fabs(sample.slope_y) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
-    return depth < (map->info.view.reversed ? 0.0f : 1.0f) &&
-           shb_exact_is_shadowed(fragment, &sample);
-}
-
-/* ---- the sheet that a fragment stands on ---- */
-
-/* A plane through a place of the map. */
-typedef struct sheet_plane {
-    double x, y, z, slope_x, slope_y;
-    bool known;
-} sheet_plane;
-
-static sheet_plane plane_of_texel(const shb_map *map, int x, int y) {
-    const int32_t column = x, row = y;
-    const uint32_t texel = shb_occluder_row(map, y)[x];
-    const double unit = map->occluders.slope_unit;
-    float depth;
-    shb_map_fetch(map, 1, &column, &row, &depth);
-    return (sheet_plane){x + 0.5,
-                         y + 0.5,
-                         (double)depth,
-                         (double)shb_half_to_float((uint16_t)texel) * unit,
-                         (double)shb_half_to_float((uint16_t)(texel >> 16)) * unit,
-                         depth < (map->info.view.reversed ? 0.0f : 1.0f) &&
-                             texel << 17 >> 17 < (uint32_t)SHB_HALF_INFINITY};
-}
-
-static double behind(const sheet_plane *a, const sheet_plane *b) {
-    return b->z - (a->z + a->slope_x * (b->x - a->x) + a->slope_y * (b->y - a->y));
-}
-
-/* The planes cut each other between the places, or meet within 2^-11 of what they rise and a step
- * of the format. */
-static bool planes_meet(const shb_map *map, const sheet_plane *a, const sheet_plane *b) {
-    const double x = fabs(b->x - a->x), y = fabs(b->y - a->y);
-    const double rise =
-        (fabs(a->slope_x) + fabs(b->slope_x)) * x + (fabs(a->slope_y) + fabs(b->slope_y)) * y;
-    const double step = map->info.format == SHB_FORMAT_UNORM16 ? 0x1p-16 : 0;
-    const double error = rise * 0x1p-11 + 0x1p-21 * (fabs(a->z) + fabs(b->z)) + step;
-    const double ahead = behind(a, b), back = behind(b, a);
-    return a->known && b->known && fmin(fmax(ahead, back), -fmin(ahead, back)) <= error;
-}
-
-enum { BOX_MOST = 19 };
-
-typedef struct slow_box {
-    int left, top, n;
-    bool sheet[BOX_MOST][BOX_MOST];
-} slow_box;
-
-static bool is_joined(const shb_map *map, const slow_box *box, int column, int row) {
-    const sheet_plane own = plane_of_texel(map, box->left + column, box->top + row);
-    for (int k = row - 1; k <= row + 1; k++)
-        for (int j = column - 1; j <= column + 1; j++) {
-            if (k < 0 || j < 0 || k >= box->n || j >= box->n || !box->sheet[k][j])
-                continue;
-            const sheet_plane other = plane_of_texel(map, box->left + j, box->top + k);
-            if (planes_meet(map, &own, &other))
-                return true;
-        }
-    return false;
-}
-
-static bool is_in_map(const shb_map *map, int x, int y) {
-    return x >= 0 && y >= 0 && x < (int)map->info.width && y < (int)map->info.height;
-}
-
-/* One texel after the other, until none is added. */
-static void grow_slowly(const shb_map *map, slow_box *box) {
-    bool grown = true;
-    while (grown) {
-        grown = false;
-        for (int k = 0; k < box->n * box->n; k++) {
-            const int row = k / box->n, column = k % box->n;
-            if (box->sheet[row][column] || !is_in_map(map, box->left + column, box->top + row) ||
-                !is_joined(map, box, column, row))
-                continue;
-            box->sheet[row][column] = grown = true;
-        }
-    }
-}
-
-/* The texels of a box, n odd, that are joined to the fragment's own one, and that to its plane. */
-static slow_box find_sheet(const shb_map *map, const shb_exact_fragment *fragment, int n) {
-    const int x = (int)floor(fragment->point.x), y = (int)floor(fragment->point.y);
-    slow_box box = {.left = x - n / 2, .top = y - n / 2, .n = n};
-    if (map->info.occluders != SHB_OCCLUDERS_PLANES || !is_in_map(map, x, y))
-        return box;
-    const sheet_plane own = {fragment->point.x,  fragment->point.y,  fragment->point.z,
-                             fragment->slopes.x, fragment->slopes.y, true};
-    const sheet_plane texel = plane_of_texel(map, x, y);
-    if (!planes_meet(map, &own, &texel))
-        return box;
-    box.sheet[n / 2][n / 2] = true;
-    grow_slowly(map, &box);
-    return box;
-}
-
 /* Lit taps of a box of n x n texels, n odd, by the scalar test. */
 static int lit_taps(const shb_map *map, const points *given, int i, int n) {
     double position[3], normal[3];
@@ -222,11 +102,11 @@ static int lit_taps(const shb_map *map, const points *given, int i, int n) {
     const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
     if (!(fragment.point.w > 0 && fabs(fragment.point.x) < 1e6 && fabs(fragment.point.y) < 1e6))
         return n * n;
-    const slow_box box = find_sheet(map, &fragment, n);
+    const slow_box box = slow_box_of(map, &fragment, n);
     int lit = n * n;
     for (int k = 0; k < n * n; k++)
         lit -= !box.sheet[k / n][k % n] &&
-               is_shadowed(map, &fragment, box.left + k % n, box.top + k / n);
+               slow_tap_is_shadowed(map, &fragment, box.left + k % n, box.top + k / n);
     return lit;
 }
 
@@ -327,12 +207,12 @@ static double lit_slowly(const shb_map *map, const points *given, int i, int n, 
     const double x = fragment.point.x, y = fragment.point.y;
     if (!(fragment.point.w > 0 && fabs(x) < 1e6 && fabs(y) < 1e6))
         return 1;
-    const slow_box box = find_sheet(map, &fragment, n);
+    const slow_box box = slow_box_of(map, &fragment, n);
     for (int k = 0; k < n; k++)
         for (int j = 0; j < n; j++) {
             const int column = box.left + j, row = box.top + k;
             const double part = smooth ? covered_side(x, column, n) * covered_side(y, row, n) : 1;
-            lit += part * (box.sheet[k][j] || !is_shadowed(map, &fragment, column, row));
+            lit += part * (box.sheet[k][j] || !slow_tap_is_shadowed(map, &fragment, column, row));
             all += part;
         }
     return lit / all;
@@ -404,7 +284,7 @@ static slow_stage ask_slowly(const shb_map *map, const shb_exact_fragment *fragm
             const double h = fmin(row + 1, y + half) - fmax(row, y - half);
             const int32_t texel_x = column, texel_y = row;
             float depth;
-            if (!is_shadowed(map, fragment, column, row))
+            if (!slow_tap_is_shadowed(map, fragment, column, row))
                 continue;
             shb_map_fetch(map, 1, &texel_x, &texel_y, &depth);
             stage.blocked += w * h;

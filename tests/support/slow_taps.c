@@ -1,0 +1,123 @@
+#include "slow_taps.h"
+
+#include "../../src/half.h"
+#include "../../src/occluders.h"
+
+#include <math.h>
+
+static bool is_in_map(const shb_map *map, int x, int y) {
+    return x >= 0 && y >= 0 && x < (int)map->info.width && y < (int)map->info.height;
+}
+
+/* A plane through a place of the map. */
+typedef struct sheet_plane {
+    double x, y, z, slope_x, slope_y;
+    bool is_covered, is_finite; /* by an occluder; the slopes */
+} sheet_plane;
+
+static sheet_plane plane_of_texel(const shb_map *map, int x, int y) {
+    const int32_t column = x, row = y;
+    const uint32_t texel = shb_occluder_row(map, y)[x];
+    const double unit = map->occluders.slope_unit;
+    float depth;
+    shb_map_fetch(map, 1, &column, &row, &depth);
+    return (sheet_plane){x + 0.5,
+                         y + 0.5,
+                         (double)depth,
+                         (double)shb_half_to_float((uint16_t)texel) * unit,
+                         (double)shb_half_to_float((uint16_t)(texel >> 16)) * unit,
+                         depth < (map->info.view.reversed ? 0.0f : 1.0f),
+                         texel << 17 >> 17 < (uint32_t)SHB_HALF_INFINITY};
+}
+
+static bool is_known(const sheet_plane *plane) {
+    return plane->is_covered && plane->is_finite;
+}
+
+static double behind(const sheet_plane *a, const sheet_plane *b) {
+    return b->z - (a->z + a->slope_x * (b->x - a->x) + a->slope_y * (b->y - a->y));
+}
+
+/* The planes cut each other between the places, or meet within 2^-11 of what they rise and a step
+ * of the format. */
+static bool planes_meet(const shb_map *map, const sheet_plane *a, const sheet_plane *b) {
+    const double x = fabs(b->x - a->x), y = fabs(b->y - a->y);
+    const double rise =
+        (fabs(a->slope_x) + fabs(b->slope_x)) * x + (fabs(a->slope_y) + fabs(b->slope_y)) * y;
+    const double step = map->info.format == SHB_FORMAT_UNORM16 ? 0x1p-16 : 0;
+    const double error = rise * 0x1p-11 + 0x1p-21 * (fabs(a->z) + fabs(b->z)) + step;
+    const double ahead = behind(a, b), back = behind(b, a);
+    return is_known(a) && is_known(b) && fmin(fmax(ahead, back), -fmin(ahead, back)) <= error;
+}
+
+bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y) {
+    if (!is_in_map(map, x, y))
+        return false;
+    const uint32_t texel = shb_occluder_row(map, y)[x];
+    shb_exact_sample sample = {.center_x = x + 0.5, .center_y = y + 0.5};
+    if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES) {
+        if (texel == SHB_ID_NONE)
+            return false;
+        const shb_occluder_plane *plane = &map->occluders.planes[texel];
+        sample.slope_x = plane->slope_x;
+        sample.slope_y = plane->slope_y;
+        sample.depth = shb_occluder_depth(plane, x + 0.5, y + 0.5) + plane->error;
+        return shb_exact_is_shadowed(fragment, &sample);
+    }
+    const double unit = map->occluders.slope_unit;
+    const sheet_plane plane = plane_of_texel(map, x, y);
+    sample.depth = plane.z;
+    sample.slope_x = plane.slope_x;
+    sample.slope_y = plane.slope_y;
+    sample.slope_error_x = fabs(sample.slope_x) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
+    sample.slope_error_y = fabs(sample.slope_y) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
+    return plane.is_covered && shb_exact_is_shadowed(fragment, &sample);
+}
+
+static bool is_joined(const shb_map *map, const slow_box *box, int column, int row) {
+    const sheet_plane own = plane_of_texel(map, box->left + column, box->top + row);
+    for (int k = row - 1; k <= row + 1; k++)
+        for (int j = column - 1; j <= column + 1; j++) {
+            if (k < 0 || j < 0 || k >= box->n || j >= box->n || !box->sheet[k][j])
+                continue;
+            const sheet_plane other = plane_of_texel(map, box->left + j, box->top + k);
+            if (planes_meet(map, &own, &other))
+                return true;
+        }
+    return false;
+}
+
+/* One texel after the other, until none is added. */
+static void grow_slowly(const shb_map *map, slow_box *box) {
+    bool grown = true;
+    while (grown) {
+        grown = false;
+        for (int k = 0; k < box->n * box->n; k++) {
+            const int row = k / box->n, column = k % box->n;
+            if (box->sheet[row][column] || !is_in_map(map, box->left + column, box->top + row) ||
+                !is_joined(map, box, column, row))
+                continue;
+            box->sheet[row][column] = grown = true;
+        }
+    }
+}
+
+slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int n) {
+    const int x = (int)floor(fragment->point.x), y = (int)floor(fragment->point.y);
+    slow_box box = {.left = x - n / 2, .top = y - n / 2, .n = n};
+    if (map->info.occluders != SHB_OCCLUDERS_PLANES || !is_in_map(map, x, y))
+        return box;
+    const sheet_plane own = {fragment->point.x,
+                             fragment->point.y,
+                             fragment->point.z,
+                             fragment->slopes.x,
+                             fragment->slopes.y,
+                             true,
+                             true};
+    const sheet_plane texel = plane_of_texel(map, x, y);
+    if (!planes_meet(map, &own, &texel))
+        return box;
+    box.sheet[n / 2][n / 2] = true;
+    grow_slowly(map, &box);
+    return box;
+}

@@ -1,0 +1,23 @@
+/* Taps of the exact method texel by texel, in doubles. */
+#ifndef TESTS_SUPPORT_SLOW_TAPS_H
+#define TESTS_SUPPORT_SLOW_TAPS_H
+
+#include "../../src/exact.h"
+#include "../../src/map.h"
+
+/* By the test of mutual planes alone; texels outside the map shadow nothing. */
+bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y);
+
+enum { SLOW_BOX_MAX = 19 };
+
+/* A box of n x n texels, and which of them hold the sheet that the fragment stands on. */
+typedef struct slow_box {
+    int left, top, n;
+    bool sheet[SLOW_BOX_MAX][SLOW_BOX_MAX]; /* by row and column */
+} slow_box;
+
+/* The box around the fragment, n odd. The texels of its sheet are those that are joined to its own
+ * one, and that to its plane; none where the map does not keep planes. */
+slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int n);
+
+#endif
