@@ -3,7 +3,6 @@
 #include "measure.h"
 #include "scenes.h"
 #include "sheet.h"
-#include "stopwatch.h"
 #include "tool.h"
 
 #include <stdio.h>
@@ -129,13 +128,13 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: demo OUTDIR\n");
         return TOOL_USAGE;
     }
-    const double start = stopwatch_seconds();
+    const double start = bench_seconds(BENCH_CLOCK_WALL);
     demo_state demo = {.directory = argv[1]};
     mkdir(demo.directory, 0777);
     const bool done = run_demo(&demo);
     if (done)
         printf("%u pictures in %s, all methods in %s/methods.ppm, %.1f s\n", demo.files,
-               demo.directory, demo.directory, stopwatch_seconds() - start);
+               demo.directory, demo.directory, bench_seconds(BENCH_CLOCK_WALL) - start);
     close_demo(&demo);
     return done ? TOOL_OK : TOOL_FAILED;
 }

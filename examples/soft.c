@@ -6,7 +6,6 @@
 #include "arguments.h"
 #include "scenes.h"
 #include "sheet.h"
-#include "stopwatch.h"
 #include "tool.h"
 
 #include <stdio.h>
@@ -171,37 +170,20 @@ static bool make_filter(const shb_filter_method *method, double width, shb_filte
     return false;
 }
 
-/* Visibility of the frame; the least time of a few runs. */
-static bool ask_map(soft_state *soft, const shb_bias *bias, const shb_filter *filter,
-                    double *seconds) {
-    const measure_frame *frame = &soft->frame;
-    const shb_points points = measure_points(frame);
-    *seconds = 0;
-    if (!succeeds(filter->name, shb_map_prepare(soft->map, filter)))
-        return false;
-    for (int run = 0; run < RUNS; run++) {
-        const double start = stopwatch_seconds();
-        if (!succeeds(filter->name,
-                      shb_map_visibility(soft->map, &points, bias, filter, frame->visibility)))
-            return false;
-        const double taken = stopwatch_seconds() - start;
-        *seconds = run == 0 || taken < *seconds ? taken : *seconds;
-    }
-    return true;
-}
-
 static bool show_pair(soft_state *soft, const soft_pair *pair) {
     printf("%-22s %-15s", pair->method->name, pair->bias.name);
-    double seconds = 0;
+    bench_times times = {0};
     for (int i = 0; i < LIGHTS; i++) {
         shb_filter filter;
         shb_soft_errors errors;
         const bool knows_lights = make_filter(pair->method, light_widths[i], &filter);
-        if (((i == 0 || knows_lights) && !ask_map(soft, &pair->bias, &filter, &seconds)) ||
+        if (((i == 0 || knows_lights) &&
+             !succeeds(pair->method->name, measure_visibility(&soft->frame, soft->map, &pair->bias,
+                                                              &filter, RUNS, &times))) ||
             !succeeds(pair->method->name,
                       soft_truth_compare(&soft->frame, &soft->truths[i], &errors)))
             return false;
-        printf("  %8.1f %6.4f %6.4f", 1e9 * seconds / (double)soft->frame.fragment_count,
+        printf("  %8.1f %6.4f %6.4f", 1e9 * times.least / (double)soft->frame.fragment_count,
                errors.rms, errors.similarity);
         if (i == PICTURED && !picture_method(soft, pair, &errors))
             return false;
@@ -277,7 +259,7 @@ static bool read_options(int argc, char **argv, soft_options *options, int *exit
 }
 
 int main(int argc, char **argv) {
-    const double start = stopwatch_seconds();
+    const double start = bench_seconds(BENCH_CLOCK_WALL);
     soft_state soft = {0};
     int exit_code;
     if (!read_options(argc, argv, &soft.options, &exit_code))
@@ -286,7 +268,8 @@ int main(int argc, char **argv) {
     const bool done = run_soft(&soft);
     if (done)
         printf("%u pictures in %s, all in %s/soft.ppm, %.1f s\n", soft.files,
-               soft.options.directory, soft.options.directory, stopwatch_seconds() - start);
+               soft.options.directory, soft.options.directory,
+               bench_seconds(BENCH_CLOCK_WALL) - start);
     close_soft(&soft);
     return done ? TOOL_OK : TOOL_FAILED;
 }

@@ -3,7 +3,6 @@
 #include "measure.h"
 #include "progress.h"
 #include "scenes.h"
-#include "stopwatch.h"
 #include "tool.h"
 
 #include <math.h>
@@ -204,11 +203,11 @@ static bool draw_and_measure(const view_options *options, const view_setup *setu
 
 static bool write_pictures(const view_options *options, const view_setup *setup, view_work *work,
                            double *shade_seconds) {
-    const double start = stopwatch_seconds();
+    const double start = bench_seconds(BENCH_CLOCK_WALL);
     if (!succeeds("shading", measure_paint(&work->frame, work->map, &setup->bias, &setup->filter,
                                            work->scene->lights[setup->light].color, &work->image)))
         return false;
-    *shade_seconds = stopwatch_seconds() - start;
+    *shade_seconds = bench_seconds(BENCH_CLOCK_WALL) - start;
     if (options->out && !tool_write_image("view", &work->image, options->out))
         return false;
     return !options->errors ||

@@ -3,7 +3,7 @@
 #include "judge.h"
 #include "pictures.h"
 #include "statistics.h"
-#include "stopwatch.h"
+#include "timing.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -83,29 +83,29 @@ static shb_result find_truth(session *s) {
 }
 
 static shb_result draw_map(session *s, const contender *c, double *seconds) {
-    const double start = stopwatch_seconds();
+    const double start = bench_seconds(BENCH_CLOCK_WALL);
     shb_result result = shb_map_draw(c->map, &s->stage->scene->scene, &c->method->bias, NULL);
     if (!result)
         result = shb_map_prepare(c->map, &c->filter);
-    *seconds = stopwatch_seconds() - start;
+    *seconds = bench_seconds(BENCH_CLOCK_WALL) - start;
     return result;
 }
 
 static shb_result shade(session *s, const contender *c, double *seconds) {
-    const double start = stopwatch_seconds();
+    const double start = bench_seconds(BENCH_CLOCK_WALL);
     const shb_result result = measure_paint(&s->stage->frame, c->map, &c->method->bias, &c->filter,
                                             s->light->color, &s->stage->image);
-    *seconds = stopwatch_seconds() - start;
+    *seconds = bench_seconds(BENCH_CLOCK_WALL) - start;
     return result;
 }
 
 static shb_result ask(session *s, const contender *c, double *seconds) {
     measure_frame *frame = &s->stage->frame;
     const shb_points points = measure_points(frame);
-    const double start = stopwatch_seconds();
+    const double start = bench_seconds(BENCH_CLOCK_WALL);
     const shb_result result =
         shb_map_visibility(c->map, &points, &c->method->bias, &c->filter, frame->visibility);
-    *seconds = stopwatch_seconds() - start;
+    *seconds = bench_seconds(BENCH_CLOCK_WALL) - start;
     return result;
 }
 

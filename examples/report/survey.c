@@ -5,7 +5,7 @@
 #include "machine_name.h"
 #include "pictures.h"
 #include "progress.h"
-#include "stopwatch.h"
+#include "timing.h"
 #include "tool.h"
 
 #include <stdio.h>
@@ -120,13 +120,13 @@ static bool add_rows(survey *s, size_t count) {
 static bool run_job(survey *s, const report_job *job) {
     const report_group group = group_of(s, job);
     survey_kind *kind = kind_of(s, job);
-    const double start = stopwatch_seconds();
+    const double start = bench_seconds(BENCH_CLOCK_WALL);
     show_progress(s, &group);
     const bool done =
         set_stage(s, job->scene) &&
         tool_succeeds("report", group.scene, report_group_measure(&group, &s->stage, s->fresh)) &&
         add_rows(s, group.methods->count);
-    kind->seconds += stopwatch_seconds() - start;
+    kind->seconds += bench_seconds(BENCH_CLOCK_WALL) - start;
     kind->done++;
     return done;
 }

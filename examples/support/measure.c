@@ -1,8 +1,6 @@
 #include "measure.h"
 
 #include "paint.h"
-#include "statistics.h"
-#include "stopwatch.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -141,34 +139,38 @@ void measure_truth_destroy(measure_truth *truth) {
     *truth = (measure_truth){0};
 }
 
-static shb_result time_map(shb_map *map, const shb_scene *scene, const shb_bias *bias,
-                           uint32_t runs, double *seconds) {
-    double times[64] = {0};
-    for (uint32_t i = 0; i < runs; i++) {
-        const double start = stopwatch_seconds();
-        const shb_result result = shb_map_draw(map, scene, bias, NULL);
-        if (result)
-            return result;
-        times[i] = stopwatch_seconds() - start;
-    }
-    *seconds = statistics_median(times, runs);
-    return SHB_OK;
+/* What a method is timed by: a map's drawing and its answers for a frame. */
+typedef struct method_work {
+    const measure_frame *frame;
+    shb_map *map;
+    const shb_bias *bias;
+    const shb_filter *filter;
+} method_work;
+
+static shb_result draw_map(void *state) {
+    const method_work *work = state;
+    return shb_map_draw(work->map, &work->frame->scene->scene, work->bias, NULL);
 }
 
-static shb_result time_visibility(const measure_frame *frame, const shb_map *map,
-                                  const shb_bias *bias, const shb_filter *filter, uint32_t runs,
-                                  double *seconds) {
-    const shb_points points = measure_points(frame);
-    double times[64] = {0};
-    for (uint32_t i = 0; i < runs; i++) {
-        const double start = stopwatch_seconds();
-        const shb_result result = shb_map_visibility(map, &points, bias, filter, frame->visibility);
-        if (result)
-            return result;
-        times[i] = stopwatch_seconds() - start;
-    }
-    *seconds = statistics_median(times, runs);
-    return SHB_OK;
+static shb_result ask_map(void *state) {
+    const method_work *work = state;
+    const shb_points points = measure_points(work->frame);
+    return shb_map_visibility(work->map, &points, work->bias, work->filter,
+                              work->frame->visibility);
+}
+
+static shb_result time_work(method_work *work, shb_result (*run)(void *state), uint32_t runs,
+                            bench_times *times) {
+    const bench_clock clock =
+        shb_context_threads(work->frame->context) == 1 ? BENCH_CLOCK_THREAD : BENCH_CLOCK_WALL;
+    return bench_measure((bench_work){run, work}, clock, (bench_plan){.runs = runs}, times);
+}
+
+shb_result measure_visibility(const measure_frame *frame, shb_map *map, const shb_bias *bias,
+                              const shb_filter *filter, uint32_t runs, bench_times *times) {
+    method_work work = {frame, map, bias, filter};
+    const shb_result result = filter ? shb_map_prepare(map, filter) : SHB_OK;
+    return result ? result : time_work(&work, ask_map, runs, times);
 }
 
 shb_result measure_detachment(const shb_reference *reference, const shb_map *map,
@@ -193,11 +195,11 @@ shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_
                           const shb_bias *bias, const shb_filter *filter,
                           const scene_contact *contact, uint32_t runs, measure_result *result) {
     measure_result measured = {0};
-    shb_result code = time_map(map, &frame->scene->scene, bias, runs, &measured.map_seconds);
-    if (!code && filter)
-        code = shb_map_prepare(map, filter);
+    method_work work = {frame, map, bias, filter};
+    bench_times drawing, asking;
+    shb_result code = time_work(&work, draw_map, runs, &drawing);
     if (!code)
-        code = time_visibility(frame, map, bias, filter, runs, &measured.visibility_seconds);
+        code = measure_visibility(frame, map, bias, filter, runs, &asking);
     if (!code)
         code = shb_errors_measure(frame->fragment_count, truth->fragments, frame->visibility,
                                   &measured.errors);
@@ -206,6 +208,8 @@ shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_
             measure_detachment(truth->reference, map, bias, filter, contact, &measured.detachment);
     if (code)
         return code;
+    measured.map_seconds = drawing.median;
+    measured.visibility_seconds = asking.median;
     if (frame->fragment_count)
         measured.ns_per_fragment =
             1e9 * measured.visibility_seconds / (double)frame->fragment_count;

@@ -3,6 +3,7 @@
 #define EXAMPLES_MEASURE_H
 
 #include "scene.h"
+#include "timing.h"
 
 #include "shadowbias/reference.h"
 
@@ -58,8 +59,12 @@ shb_result measure_detachment(const shb_reference *reference, const shb_map *map
                               const shb_bias *bias, const shb_filter *filter,
                               const scene_contact *contact, shb_detachment *detachment);
 
-/* Draws the map for a method, prepares the filter (NULL: hard) and asks it about every fragment;
- * draws and asks runs times each, at most 64. */
+/* Prepares the filter (NULL: hard) and times the map's answers for all fragments: at least so many
+ * runs, by processor time if the frame's context has one thread. */
+shb_result measure_visibility(const measure_frame *frame, shb_map *map, const shb_bias *bias,
+                              const shb_filter *filter, uint32_t runs, bench_times *times);
+
+/* Draws the map for a method and times that as measure_visibility does, which comes next. */
 shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_map *map,
                           const shb_bias *bias, const shb_filter *filter,
                           const scene_contact *contact, uint32_t runs, measure_result *result);

@@ -1,7 +1,7 @@
 #include "suite.h"
 
 #include "progress.h"
-#include "stopwatch.h"
+#include "timing.h"
 #include "tool.h"
 
 #include <stdio.h>
@@ -79,7 +79,7 @@ static size_t count_cases(const stability_options *options) {
 
 static void show_progress(progress_line *progress, const stability_case *c) {
     char step[96];
-    const double elapsed = stopwatch_seconds() - progress->start;
+    const double elapsed = bench_seconds(BENCH_CLOCK_WALL) - progress->start;
     const size_t done = progress->done, rest = progress->total - done;
     snprintf(step, sizeof step, "%s, %.0f s left", c->name,
              done ? elapsed * (double)rest / (double)done : 0.0);
