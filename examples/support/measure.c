@@ -159,18 +159,13 @@ static shb_result ask_map(void *state) {
                               work->frame->visibility);
 }
 
-static shb_result time_work(method_work *work, shb_result (*run)(void *state), uint32_t runs,
-                            bench_times *times) {
-    const bench_clock clock =
-        shb_context_threads(work->frame->context) == 1 ? BENCH_CLOCK_THREAD : BENCH_CLOCK_WALL;
-    return bench_measure((bench_work){run, work}, clock, (bench_plan){.runs = runs}, times);
-}
-
 shb_result measure_visibility(const measure_frame *frame, shb_map *map, const shb_bias *bias,
                               const shb_filter *filter, uint32_t runs, bench_times *times) {
     method_work work = {frame, map, bias, filter};
     const shb_result result = filter ? shb_map_prepare(map, filter) : SHB_OK;
-    return result ? result : time_work(&work, ask_map, runs, times);
+    return result ? result
+                  : bench_measure((bench_work){ask_map, &work}, BENCH_CLOCK_THREAD,
+                                  (bench_plan){.runs = runs}, times);
 }
 
 shb_result measure_detachment(const shb_reference *reference, const shb_map *map,
@@ -197,7 +192,8 @@ shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_
     measure_result measured = {0};
     method_work work = {frame, map, bias, filter};
     bench_times drawing, asking;
-    shb_result code = time_work(&work, draw_map, runs, &drawing);
+    shb_result code = bench_measure((bench_work){draw_map, &work}, BENCH_CLOCK_WALL,
+                                    (bench_plan){.runs = runs}, &drawing);
     if (!code)
         code = measure_visibility(frame, map, bias, filter, runs, &asking);
     if (!code)

@@ -59,12 +59,13 @@ shb_result measure_detachment(const shb_reference *reference, const shb_map *map
                               const shb_bias *bias, const shb_filter *filter,
                               const scene_contact *contact, shb_detachment *detachment);
 
-/* Prepares the filter (NULL: hard) and times the map's answers for all fragments: at least so many
- * runs, by processor time if the frame's context has one thread. */
+/* Prepares the filter (NULL: hard) and times the map's answers for all fragments by the thread's
+ * processor time: at least so many runs. */
 shb_result measure_visibility(const measure_frame *frame, shb_map *map, const shb_bias *bias,
                               const shb_filter *filter, uint32_t runs, bench_times *times);
 
-/* Draws the map for a method and times that as measure_visibility does, which comes next. */
+/* Draws the map for a method, timed by the clock on the wall, and asks it as measure_visibility
+ * does. */
 shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_map *map,
                           const shb_bias *bias, const shb_filter *filter,
                           const scene_contact *contact, uint32_t runs, measure_result *result);

@@ -6,8 +6,9 @@
 #include <unistd.h>
 
 void progress_begin(progress_line *progress, size_t total) {
-    *progress = (progress_line){
-        .total = total, .start = bench_seconds(BENCH_CLOCK_WALL), .terminal = isatty(STDERR_FILENO) != 0};
+    *progress = (progress_line){.total = total,
+                                .start = bench_seconds(BENCH_CLOCK_WALL),
+                                .terminal = isatty(STDERR_FILENO) != 0};
 }
 
 void progress_step(progress_line *progress, const char *step) {
