@@ -5,9 +5,9 @@
  * is the top row, which is where clip y is +w; texel (i, j) is column i of row j and its centre
  * lies at (i + 0.5, j + 0.5). A front face is counter-clockwise as the camera sees it.
  *
- * A zero-initialised description is valid wherever a comment gives 0 a meaning. On failure a
- * function leaves its outputs untouched. Everything below is thread-safe unless its comment says
- * otherwise. */
+ * In a zero-initialised description every field has the meaning that its comment gives to 0; fields
+ * without one must be set. A function that fails leaves its outputs untouched. Functions are
+ * thread-safe unless their comment says otherwise. */
 #ifndef SHADOWBIAS_BASE_H
 #define SHADOWBIAS_BASE_H
 
@@ -35,19 +35,19 @@ extern "C" {
 /* Fragments pass through the library in batches of at most this many. */
 #define SHB_BATCH 256
 
-/* Batch arrays start on cache lines, in C and in C++. */
+/* Batch arrays start on cache lines. */
 #ifdef __cplusplus
 #define SHB_ALIGN alignas(64)
 #else
 #define SHB_ALIGN _Alignas(64)
 #endif
 
-/* Parameters that a method value carries with it. */
+/* The most parameters of a bias method or filter. */
 #define SHB_PARAMS_MAX 8
 
 typedef enum shb_result {
     SHB_OK = 0,
-    SHB_ERROR_ARGUMENT,    /* a pointer is NULL or an enumerator or field is out of its range */
+    SHB_ERROR_ARGUMENT,    /* a pointer is NULL, or an enumerator or field is out of range */
     SHB_ERROR_SIZE,        /* a size is zero, above its limit, or a product of sizes overflows */
     SHB_ERROR_NUMBER,      /* a number that must be finite is not, or a matrix cannot be inverted */
     SHB_ERROR_MEMORY,      /* the allocator returned NULL, or a description allows too little */

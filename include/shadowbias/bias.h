@@ -1,25 +1,25 @@
 /* Bias methods: each turns a fragment into a receiver plane.
  *
  * The receiver plane is the depth that the map holds, texel by texel, if nothing stands between the
- * light and the fragment: ref + m * step_x + n * step_y at the texel m columns and n rows away from
- * the fragment's own one, epsilon already taken off. A filter compares it with the map. Methods and
- * filters combine freely.
+ * light and the fragment: ref + m * step_x + n * step_y at the texel m columns right of and n rows
+ * below the fragment's own, with the epsilon already subtracted. A filter compares it with the map.
+ * Any method goes with any filter.
  *
- * Depth is canonical here: smaller is nearer to the light, 0 .. 1 from near to far for a standard
- * map, -1 .. 0 for a reversed one (the map's depth negated). No method needs to know which it is.
+ * Depth is canonical here: smaller is nearer to the light, 0 .. 1 from near to far in a standard
+ * map, -1 .. 0 in a reversed one (the stored depth negated). No method needs to know which it is.
  *
  * A method is a plain value. It has up to three stages, each a function that may be NULL:
  *   offset   before projection: moves the points
  *   depth    after projection: writes ref, step_x, step_y; NULL: ref is the own depth, no steps
- *   combine  when the map is drawn: what the map keeps of its two nearest layers; NULL: the nearest
+ *   combine  when the map is drawn: what it keeps of the two nearest layers; NULL: the nearest
  *
  * Outcomes where the papers are silent:
  * - fragment outside the map, behind the light, or not finite: lit (visibility 1)
- * - fragment beyond the far plane: tested as if it lay on the far plane; empty texels light it
- * - no normal (zero or not finite): the light's direction takes its place; the receiver is taken to
- *   face the light and its slopes are 0
- * - plane parallel to the light ray: slopes are cut off at 1 map depth per texel; 0 if undefined
- * - parameter out of all reason, or not a number: nothing checks it; visibility stays in 0 .. 1 */
+ * - fragment beyond the far plane: tested as if it lay on the far plane, so empty texels light it
+ * - no normal (zero or not finite): the light's direction takes its place, so the receiver faces
+ *   the light and its slopes are 0
+ * - plane parallel to the light ray: slopes are limited to 1 map depth per texel; 0 if undefined
+ * - parameters are not checked: whatever they are, visibility stays in 0 .. 1 */
 #ifndef SHADOWBIAS_BIAS_H
 #define SHADOWBIAS_BIAS_H
 
@@ -36,10 +36,10 @@ typedef enum shb_occluders {
     SHB_OCCLUDERS_NONE = 0,
     SHB_OCCLUDERS_PLANES,    /* the plane of each texel's triangle: 4 more bytes a texel */
     SHB_OCCLUDERS_TRIANGLES, /* the triangle of each texel, and the mesh in the light's space: 4
-                                more bytes a texel and some 160 a triangle */
-    SHB_OCCLUDERS_LISTS /* all triangles that the light can see in each texel, or in larger cells
-                           where there are few of them: 8 bytes an entry, some 100 a triangle with
-                           its share of vertices and cells */
+                                more bytes a texel and about 160 a triangle */
+    SHB_OCCLUDERS_LISTS      /* all triangles that the light can see in each texel, or in larger
+                                cells where these are few: 8 bytes an entry, in all about 100 a
+                                triangle with its share of vertices and cells */
 } shb_occluders;
 
 /* What a map tells the methods and tools. Lengths in world units. */
@@ -49,21 +49,20 @@ typedef struct shb_map_info {
     uint32_t width, height;
     shb_format format;
     double scene_scale;  /* diagonal of the box of what was drawn, or as given in the description */
-    size_t memory_bytes; /* texels, padding, what is kept of occluders, and what the
-                            latest drawing of planes worked with, which the context keeps */
-    double draw_seconds; /* that the latest drawing took, occluders included; 0: none yet */
+    size_t memory_bytes; /* texels and their padding (a wrapped map's, too), what is kept of
+                            occluders and to classify, and what filters prepared */
+    double draw_seconds; /* duration of the latest drawing, occluders included; 0: none yet */
     shb_occluders occluders;
 } shb_map_info;
 
-/* Both texel coordinates of a fragment that has none: behind the light, or not finite. Coordinates
- * far outside the map end here and at the other end, 2^30. */
+/* Both texel coordinates of a fragment that is behind the light or not finite. Those of all others
+ * are clamped to -2^30 .. 2^30. */
 #define SHB_TEXEL_NONE (-(1 << 30))
 
-/* A batch of fragments as one light sees them: structure of arrays, one element a fragment. From
- * the count to the next multiple of 16 there are copies of the last fragment, so that loops may run
- * over whole vectors. A stage reads what the method's needs name and what earlier stages wrote. A
- * fragment behind the light or not finite has SHB_TEXEL_NONE; its depth, scales and slopes are
- * finite and mean nothing. */
+/* A batch of fragments as one light sees them: a structure of arrays, one element a fragment. From
+ * the count up to the next multiple of 16 the arrays repeat the last fragment, so that loops may
+ * run over whole vectors. A stage may read what the method's needs name and what earlier stages
+ * wrote. Where texel_x is SHB_TEXEL_NONE, depth, scales and slopes are finite but meaningless. */
 typedef struct shb_receivers {
     /* the fragment; the offset stage may move it */
     SHB_ALIGN float x[SHB_BATCH]; /* world position */
@@ -75,7 +74,7 @@ typedef struct shb_receivers {
     float normal_z[SHB_BATCH];
     float cosine[SHB_BATCH]; /* of the angle between normal and light direction, 0 .. 1 */
     /* SHB_NEEDS_SCALE */
-    float texel_size[SHB_BATCH];      /* larger side of a texel at the fragment, world units */
+    float texel_size[SHB_BATCH];      /* longer side of a texel at the fragment, world units */
     float depth_per_world[SHB_BATCH]; /* change of map depth per world unit along the light's axis,
                                          away from the light, > 0 */
     /* the projection of the (moved) point; written before the depth stage */
@@ -84,7 +83,7 @@ typedef struct shb_receivers {
     float to_center_x[SHB_BATCH]; /* from the point to that texel's centre, -0.5 .. 0.5 texels */
     float to_center_y[SHB_BATCH];
     float depth[SHB_BATCH]; /* canonical map depth of the point */
-    /* SHB_NEEDS_SLOPE: canonical depth per texel of the plane through the unmoved point */
+    /* SHB_NEEDS_SLOPE: of the plane through the point before it moved, canonical depth per texel */
     float slope_x[SHB_BATCH];
     float slope_y[SHB_BATCH];
     /* the receiver plane: written by the depth stage */
@@ -114,9 +113,9 @@ enum {
     SHB_NEEDS_SCALE = 2,     /* fills texel_size, depth_per_world */
     SHB_NEEDS_SLOPE = 4,     /* the points must come with normals; fills slope_* */
     SHB_NEEDS_FLIPPED = 8,   /* the map is drawn with flip_culling */
-    SHB_NEEDS_OCCLUDERS = 16 /* the map answers by the occluders it keeps, which takes normals
-                                unless these are lists; the stages are not called, and the filter
-                                must have the function exact */
+    SHB_NEEDS_OCCLUDERS = 16 /* the map answers from the occluders it keeps: no stage is called, the
+                                filter must have its function exact, and the points must come with
+                                normals unless the map keeps lists */
 };
 
 struct shb_bias {
@@ -139,70 +138,72 @@ typedef enum shb_unit {
 /* "none": ref = depth. */
 shb_bias shb_bias_none(void);
 
-/* "constant": ref = depth - amount (Williams 1978). Any other unit is depth. Default of tools:
- * 0.002, SHB_UNIT_DEPTH. */
+/* "constant": ref = depth - amount (Williams 1978). An unknown unit counts as SHB_UNIT_DEPTH.
+ * Default (here and below: of tools): 0.002, SHB_UNIT_DEPTH. */
 shb_bias shb_bias_constant(float amount, shb_unit unit);
 
 /* "slope": ref = depth - min(factor * max(|slope_x|, |slope_y|) + units * 2^-24, clamp): the
- * polygon offset of OpenGL and Direct3D, on the receiver's side (King 2004). clamp in map depth; 0:
- * none. Default: factor 1.1, units 4, no clamp. */
+ * polygon offset of OpenGL and Direct3D, applied to the receiver instead of the occluder (King
+ * 2004). clamp in map depth; 0: none. Default: factor 1.1, units 4, no clamp. */
 shb_bias shb_bias_slope(float factor, float units, float clamp);
 
-/* "angle": the world distance base / cosine, at most limit, towards the light (Gautron, Marvie and
- * Briand, EP 2411967, claims 1 to 3). Both as fractions of scene_scale. Default: 0.001, 0.01. */
+/* "angle": ref = depth - depth_per_world * min(base / cosine, limit), base and limit as fractions
+ * of scene_scale (Gautron, Marvie and Briand, EP 2411967, claims 1 to 3). Default: 0.001, 0.01. */
 shb_bias shb_bias_angle(float base, float limit);
 
-/* "normal-offset": the point moves texels * texel_size * sin(theta) along its normal, theta between
- * normal and light (Holbert 2011); then depth is taken off in map depth. Default: 1.5, 1e-5. */
+/* "normal-offset": the point moves texels * texel_size * sin(theta) along its normal, theta being
+ * the angle between normal and light (Holbert 2011); then ref = its depth - depth, in map depth.
+ * Default: 1.5, 1e-5. */
 shb_bias shb_bias_normal_offset(float texels, float depth);
 
-/* "receiver-plane": ref = plane at the texel's centre - epsilon, steps = slopes (Isidoro 2006),
- * from the exact plane instead of screen derivatives. Default epsilon: 1e-5 map depth. */
+/* "receiver-plane": ref = plane at the texel's centre - epsilon, steps = slopes (Isidoro 2006, with
+ * the exact plane instead of screen-space derivatives). epsilon in map depth. Default: 1e-5. */
 shb_bias shb_bias_receiver_plane(float epsilon);
 
 /* "texel-cone": the point moves radius * (1.16 * sin(theta) + 0.195) along its normal, radius being
- * half the diagonal of a texel at the fragment. No parameter. */
+ * half the diagonal of a texel at the fragment, taken for square. No parameter. */
 shb_bias shb_bias_texel_cone(void);
 
 /* "midpoint": the map keeps the mean of its two nearest layers (Woo 1992); ref = depth. */
 shb_bias shb_bias_midpoint(void);
 
-/* "dual-layer": the map keeps z1 + min((z2 - z1) / 2, offset) (Weiskopf and Ertl 2003, eq. 2);
- * ref = depth. offset in map depth. Default: 0.01. */
+/* "dual-layer": the map keeps z1 + min((z2 - z1) / 2, offset) of its two nearest layers z1 and z2
+ * (Weiskopf and Ertl 2003, eq. 2); ref = depth. offset in map depth. Default: 0.01. */
 shb_bias shb_bias_dual_layer(float offset);
 
-/* "back-face": the map is drawn from the faces that are culled otherwise (Wang and Molnar 1994);
- * ref = depth. Instances that cull nothing are drawn as they are. */
+/* "back-face": the map is drawn from the faces that would be culled (Wang and Molnar 1994); ref =
+ * depth. Instances that cull nothing are drawn as they are. */
 shb_bias shb_bias_back_face(void);
 
 /* "adaptive": ref = plane at the texel's centre - depth_per_world * scene_scale * k, steps = slopes
- * (Dou et al. 2014, section 2.1 and eq. 10, whose fraction is the derivative of depth by distance;
- * for an orthographic map that derivative is constant). The derivative is taken at the fragment.
- * Default k: 1e-4. scene_scale 0: that of the map. */
+ * (Dou et al. 2014, section 2.1 and eq. 10, whose fraction is the derivative of depth by distance,
+ * depth_per_world, taken at the fragment). scene_scale in world units; 0: that of the map. Default:
+ * k 1e-4, scene_scale 0. */
 shb_bias shb_bias_adaptive(float k, float scene_scale);
 
-/* "adaptive-soft": the same with epsilon times min(1 / cosine^2, threshold) (Ehm et al. 2015, eq. 3
- * and 4). Default threshold: 100. */
+/* "adaptive-soft": the same with the epsilon times min(1 / cosine^2, threshold) (Ehm et al. 2015,
+ * eq. 3 and 4). Default: k 1e-4, scene_scale 0, threshold 100. */
 shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
 
-/* "exact": no parameter, no scene scale. Asks the occluder's own plane or triangle, by the best
- * that the map keeps (shb_map_desc.occluders); every tolerance is a bound of rounding. Positions
- * must lie within half a unit in the last place of their surface, elements of normals within 2^-22
- * of the triangle's. Planes: shadowed if the stored sample lies in front of the fragment's plane at
- * the texel's centre and the sample's plane in front of the fragment at the fragment's own place in
- * the map. Exact on both sides of a crease and on convex bodies; a shadow ends at a texel's border.
- * Triangles: from the triangles of the four nearest samples over the mesh to the one that covers
- * the fragment's own light ray, which decides; as with planes where the mesh ends or turns round on
- * the way. Closed meshes get no false shadow and edges that are straight inside a texel. Lists: the
- * answer of a ray caster, at any size of the map, from the position alone. In the taps of a filter,
- * where surfaces turn between the fragment and the tap, an occluder that is the fragment's own
- * surface casts no shadow: triangles follow it over the mesh; planes, in the boxes of pcf and
- * pcf-smooth, over neighbouring texels whose planes meet. Every triangle casts a
- * shadow, whatever its culling, where it lies at or beyond the near plane; there is no far plane.
- */
+/* "exact": asks the occluders themselves, as far as the map keeps them (shb_map_desc.occluders). No
+ * parameter, no scene scale: every tolerance is a bound of rounding. Each coordinate of a position
+ * must lie within half a unit in the last place of the surface, each element of a normal within
+ * 2^-22 of the triangle's.
+ * - Planes: shadowed if the stored sample lies in front of the fragment's plane at the texel's
+ *   centre and the sample's plane lies in front of the fragment at the fragment's own place in the
+ *   map. Right on both sides of a crease and on convex bodies; shadows end at texel borders.
+ * - Triangles: walks over the mesh, from the triangles of the four nearest samples to the one that
+ *   covers the fragment's own light ray, which decides; where the mesh ends or folds over on the
+ *   way, as with planes. No false shadow on closed meshes, and edges are straight inside a texel.
+ * - Lists: the answer of a ray caster, at any map size, from the position alone.
+ * In the taps of a filter, an occluder that is the fragment's own surface, bent between fragment
+ * and tap, casts no shadow: triangles follow the surface over the mesh; planes do in the boxes of
+ * pcf and pcf-smooth, over neighbouring texels whose planes meet.
+ * A triangle casts a shadow, whatever its culling, where it lies at or beyond the near plane; there
+ * is no far plane. */
 shb_bias shb_bias_exact(void);
 
-/* One built-in method for tools: its default value and the names of its parameters. */
+/* A built-in method, for tools: its default value and the names of its parameters. */
 typedef struct shb_bias_method {
     const char *name;
     const char *summary;
@@ -213,9 +214,10 @@ typedef struct shb_bias_method {
 /* All built-in methods in the order above; never fails. count may be NULL. */
 const shb_bias_method *shb_bias_methods(size_t *count);
 
-/* A method by its text form "name" or "name:param=value,param=value": decimal numbers with '.' as
- * the point in every locale; of a repeated parameter the last counts. SHB_ERROR_ARGUMENT for an
- * unknown name or parameter, a unit that is not 0, 1 or 2, or a number that is not finite. */
+/* The method that a text names: "name" or "name:param=value,param=value", with decimal numbers and
+ * the point '.' in every locale; of a repeated parameter the last counts, of one left out the
+ * default. SHB_ERROR_ARGUMENT for NULL, an unknown name or parameter, a unit that is not 0, 1 or 2,
+ * or a number that is not finite. */
 shb_result shb_bias_parse(const char *text, shb_bias *bias);
 
 #ifdef __cplusplus

@@ -10,8 +10,8 @@ extern "C" {
 
 typedef struct shb_context shb_context;
 
-/* alloc returns NULL when there is no memory; alignment is a power of two of at most 64.
- * Both functions may be called from any thread that calls the library, never from a task. */
+/* alloc returns NULL when there is no memory; alignment is a power of two of at most 64. Both
+ * functions are called on any thread that calls the library, but never within a task. */
 typedef struct shb_allocator {
     void *(*alloc)(void *user, size_t size, size_t alignment);
     void (*free)(void *user, void *memory);
@@ -25,13 +25,13 @@ typedef void shb_task_fn(void *arg, size_t index);
  * them are done. The host's scheduler plugs in here. */
 typedef void shb_parallel_for_fn(void *user, shb_task_fn *task, void *arg, size_t count);
 
-/* Called once for every call that fails and has a context, or something made with one: with a
- * sentence that names the function, the field and the value. The function is the one that was
- * called or, where that calls others (shb_area_visibility draws maps), the one that failed. May be
- * called from any thread that calls the library. */
+/* Called once for every call that fails and is given a context, or something made with one. The
+ * sentence names the function, the field and the value; the function is the one that was called or,
+ * where that calls others (shb_area_visibility draws maps), the one that failed. Called on any
+ * thread that calls the library. */
 typedef void shb_log_fn(void *user, shb_result result, const char *sentence);
 
-/* Results never depend on it: it is for tests, tools and measurements. */
+/* Instruction sets. Results never depend on them: the cap is for tests, tools and measurements. */
 typedef enum shb_isa {
     SHB_ISA_BEST = 0, /* what the processor offers */
     SHB_ISA_SCALAR,   /* the reference code, one lane */
@@ -46,11 +46,11 @@ typedef struct shb_context_desc {
     shb_allocator allocator;           /* alloc and free NULL: the C library's */
     shb_parallel_for_fn *parallel_for; /* NULL: a pool of this library's own threads */
     void *parallel_user;
-    uint32_t threads; /* size of the own pool, caller included, 1 .. 256; 0: one per processor.
-                         With parallel_for: a hint of the host's width, 0 stands for 8 */
+    uint32_t threads; /* of the library's own pool, caller included, 1 .. 256; 0: one a processor.
+                         With parallel_for: how many threads the host runs, as a hint; 0: 8 */
     shb_log_fn *log;  /* NULL: silent */
     void *log_user;
-    shb_isa max_isa; /* a cap; one that this processor lacks falls back to the next lower one */
+    shb_isa max_isa; /* no better one is used; if the processor lacks it, the next lower one is */
 } shb_context_desc;
 
 /* desc may be NULL: all defaults. SHB_ERROR_ARITHMETIC if the floating point of this build or
@@ -66,13 +66,13 @@ shb_result shb_context_create(const shb_context_desc *desc, shb_context **contex
 /* NULL is ignored. Destroy what was created with the context first. */
 void shb_context_destroy(shb_context *context);
 
-/* The instruction set that the context settled on (NULL: SHB_ISA_SCALAR), and its name in tools:
- * "scalar", "avx2", ...; "unknown" for a value that is none. */
+/* The instruction set that the context uses (NULL: SHB_ISA_SCALAR), and the name of one: "best",
+ * "scalar", "avx2", ...; "unknown" for any other value. */
 shb_isa shb_context_isa(const shb_context *context);
 const char *shb_isa_name(shb_isa isa);
 
-/* The threads that work on one call, caller included: fewer than wanted if the system had no more;
- * 0 for NULL. */
+/* The threads that work on one call, caller included: fewer than asked for if the system could not
+ * start more; 0 for NULL. */
 uint32_t shb_context_threads(const shb_context *context);
 
 #ifdef __cplusplus

@@ -10,15 +10,16 @@ extern "C" {
 
 typedef struct shb_clusters shb_clusters; /* clusters.h */
 
-/* Triangles by strided views. A triangle with a vertex that is not finite after its transform is
- * left out and counted; a triangle without area covers nothing. */
+/* Triangles. Positions and normals are aligned to 4 bytes, indices to their own size. A triangle
+ * with a vertex that is not finite after its transform is left out and counted; a triangle without
+ * area covers nothing. */
 typedef struct shb_mesh {
     const float *positions;       /* x, y, z of each vertex in mesh units */
     size_t position_stride;       /* bytes from one vertex to the next, a multiple of 4; 0: 12 */
-    const float *normals;         /* shading normals, or NULL; never used by a bias method */
+    const float *normals;         /* shading normals, or NULL; no bias method reads them */
     size_t normal_stride;         /* bytes, a multiple of 4; 0: 12 */
     uint32_t vertex_count;        /* indices must be below it */
-    const void *indices;          /* three a triangle; NULL: vertices 0 1 2, 3 4 5, ... */
+    const void *indices;          /* three for each triangle; NULL: vertices 0 1 2, 3 4 5, ... */
     uint32_t index_size;          /* bytes of an index: 2 or 4; 0: 4 */
     uint32_t triangle_count;      /* 0 draws nothing */
     const shb_clusters *clusters; /* made of this mesh for faster drawing, or NULL */
@@ -32,8 +33,8 @@ typedef enum shb_cull {
 
 typedef struct shb_instance {
     const shb_mesh *mesh;
-    shb_mat4 world_from_mesh; /* last row 0 0 0 1; all zeros: the identity. A mirroring transform
-                                 keeps front faces in front: its winding is turned round */
+    shb_mat4 world_from_mesh; /* last row 0 0 0 1; all zeros: the identity. Under a mirroring
+                                 transform the winding is reversed: front faces stay front faces */
     shb_cull cull;
 } shb_instance;
 
@@ -44,9 +45,9 @@ typedef struct shb_scene {
     size_t instance_count;
 } shb_scene;
 
-/* Checks every field, every index and every transform of the scene against the rules above. Drawing
- * does the same checks except those of the indices, which cost a pass over them: call this once for
- * meshes from a source you do not trust. */
+/* Checks every field, index and transform of the scene against the rules above. Drawing checks all
+ * but the indices, which take a pass over them: call this once for meshes from a source you do not
+ * trust. */
 shb_result shb_scene_validate(const shb_scene *scene);
 
 /* The number of triangles; 0 for a scene that drawing would refuse. */

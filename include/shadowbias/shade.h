@@ -20,9 +20,9 @@ typedef struct shb_frame {
     size_t id_stride; /* bytes; 0: rows without gaps */
 } shb_frame;
 
-/* A batch of fragments: consecutive covered pixels of a row. The position is the point of the
- * triangle under the pixel's centre, or the nearest point of the triangle on the screen where
- * snapping covered a centre just outside it. Normals are unit vectors: the triangle's is turned
+/* A batch of fragments: covered pixels of a row, in order. The position is the point of the
+ * triangle at the pixel's centre or, where snapping covered a centre just outside the triangle, the
+ * triangle's point nearest to it on the screen. Normals are unit vectors: the triangle's is turned
  * towards the camera (a triangle without area gets the direction to it), the shading normal to the
  * same side of the triangle. From the count up to the next multiple of 16 all arrays repeat the
  * last fragment, those of shb_lighting too, so that loops may run over whole vectors. */
@@ -69,8 +69,8 @@ typedef struct shb_shade_args {
     const shb_shade_light *lights;
     const shb_lighting *lighting; /* one a light */
     const void *user;
-    /* out: linear colour, SHB_BATCH elements each, black before the call; the image gets its square
-     * root (a display gamma of 2), clamped to 0 .. 1, NaN as 0, rounded to the nearest 1 / 255 */
+    /* out: linear colour, SHB_BATCH elements each, black before the call. The image gets the square
+     * root (a display gamma of 2) clamped to 0 .. 1 and rounded to the nearest 1 / 255; NaN is 0 */
     float *red;
     float *green;
     float *blue;
@@ -87,20 +87,20 @@ typedef struct shb_shade_desc {
     const void *user;
     float background[3]; /* linear colour of pixels without a fragment */
     /* Triangles turn away from a light, and into each other's shadow, before the smooth surface
-     * does that the mesh's normals describe: low-poly shapes show dark facets at the terminator.
+     * that the mesh's normals describe does: low-poly shapes show dark facets at the terminator.
      * True: lights are asked at the point moved out to that surface (Hanika 2021, Hacking the
-     * shadow terminator, Ray Tracing Gems II, chapter 4), and triangles that face away are asked
-     * too, as the surface's tangent plane; only its normal decides what faces a light. Meshes
-     * without normals are shaded as ever. */
+     * shadow terminator, Ray Tracing Gems II, chapter 4), also where the triangle faces away, with
+     * the tangent plane of that surface; what faces a light is decided by the shading normal alone.
+     * Meshes without normals are shaded as without the option. */
     bool smooth_terminator;
     shb_image image; /* pixels NULL: none is written, the callback may keep what it wants */
 } shb_shade_desc;
 
-/* Shades the frame; allocates nothing, but needs some 500 KB of stack on every thread. Errors:
- * SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE (also an image that is not of the frame's size),
- * SHB_ERROR_NUMBER (background, colour, view), SHB_ERROR_UNSUPPORTED as shb_map_visibility; the
- * image is untouched then. Ids that the scene does not have, or whose triangle has a corner that is
- * not finite, are background. One call at a time for a context. */
+/* Shades the frame. Allocates nothing, but needs about 500 KB of stack on every thread. Ids that
+ * the scene does not have, or whose triangle has a corner that is not finite, are background.
+ * Errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE (also for an image that is not of the frame's size),
+ * SHB_ERROR_NUMBER (background, colour, view), SHB_ERROR_UNSUPPORTED as shb_map_visibility. One
+ * call at a time for a context. */
 shb_result shb_shade(shb_context *context, const shb_shade_desc *desc);
 
 /* White Lambert surfaces under all lights: the sum of color * visibility * cosine, and ambient

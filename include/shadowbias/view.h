@@ -1,8 +1,8 @@
 /* Views: where a camera or a light stands and what it sees.
  *
- * The matrix is the definition of a light: its rays are the lines that share one (x / w, y / w),
- * and its position is the null vector of the rows x, y and w (a point, or a direction if that lies
- * at infinity). So map and shadow test can never disagree on where the light is. */
+ * The matrix defines the light: its rays are the lines of equal (x / w, y / w), and its position is
+ * the null vector of the rows x, y and w (a point, or a direction if that lies at infinity). So map
+ * and shadow test cannot disagree on where the light is. */
 #ifndef SHADOWBIAS_VIEW_H
 #define SHADOWBIAS_VIEW_H
 
@@ -14,8 +14,8 @@ extern "C" {
 
 typedef struct shb_view {
     shb_mat4 clip_from_world;
-    bool reversed; /* depth 1 at the near plane, 0 at the far plane: a light at infinity lies on the
-                      side where depth is nearest */
+    bool reversed; /* depth is 1 at the near plane and 0 at the far plane; this also tells which way
+                      a directional light shines */
 } shb_view;
 
 /* Perspective camera; arguments as in shb_mat4_look_at and shb_mat4_perspective. SHB_ERROR_ARGUMENT
@@ -31,29 +31,31 @@ shb_result shb_view_orthographic(shb_vec3 eye, shb_vec3 target, shb_vec3 up, dou
                                  double half_height, double near_distance, double far_distance,
                                  bool reversed, shb_view *view);
 
-/* A directional light over the bounds: a square orthographic frustum that holds the box, with a
- * margin of two texels. to_light points from the scene to the light. The frustum's size is rounded
- * up and its origin snapped to whole texels, so that small moves of the box leave the texel grid
- * where it is in the world (no crawling edges). A box without width gets a thin frustum of some
- * size. map_size in texels, 8 .. SHB_SIZE_MAX, or SHB_ERROR_SIZE. SHB_ERROR_ARGUMENT for an empty
- * box or a zero direction, SHB_ERROR_NUMBER for a number that is not finite or too large. */
+/* The view of a directional light over a box: a square orthographic frustum that holds the box with
+ * a margin of two texels. to_light points from the scene to the light, of any length but 0. The
+ * frustum's size is rounded up and its origin snapped to whole texels, so that the texel grid stays
+ * where it is in the world when the box moves a little (no crawling edges). A box without extent
+ * gets a frustum all the same. map_size in texels, 8 .. SHB_SIZE_MAX, or SHB_ERROR_SIZE.
+ * SHB_ERROR_ARGUMENT for an empty box or a zero direction, SHB_ERROR_NUMBER for a number that is
+ * not finite or too large. */
 shb_result shb_view_fit_directional(shb_vec3 to_light, shb_box bounds, uint32_t map_size,
                                     bool reversed, shb_view *view);
 
-/* A spot light at position that sees the whole box: looks at the box's centre, the opening angle
- * and the near and far distances are the smallest that hold the box, with a margin of two texels.
- * SHB_ERROR_ARGUMENT if the position lies inside the box or so close that the opening angle would
- * exceed 170 degrees: use shb_view_perspective then. Other errors as shb_view_fit_directional. */
+/* The view of a spot light at position that looks at the centre of a box, with the smallest opening
+ * angle and depth range that hold the box with a margin of two texels. SHB_ERROR_ARGUMENT if the
+ * position lies inside the box or so close that the opening angle would exceed 170 degrees: use
+ * shb_view_perspective then. Other errors as shb_view_fit_directional. */
 shb_result shb_view_fit_spot(shb_vec3 position, shb_box bounds, uint32_t map_size, bool reversed,
                              shb_view *view);
 
-/* The light of a view. w is 1 for a point, in world units, and 0 for a direction at infinity, then
- * of unit length and pointing to the light. SHB_ERROR_NUMBER when the matrix is singular. */
+/* Where a light is: at a point (w is 1; world units), or in a direction at infinity (w is 0; the
+ * position points to the light). */
 typedef struct shb_light_source {
     shb_vec3 position;
     double w;
 } shb_light_source;
 
+/* The light of a view; a direction has unit length. SHB_ERROR_NUMBER if the matrix is singular. */
 shb_result shb_view_light_source(const shb_view *view, shb_light_source *source);
 
 #ifdef __cplusplus
