@@ -22,17 +22,15 @@ static double inverse_of_far(const shb_projection *p, double far_depth) {
     return larger(p->sign * zw / ww - far_depth, LEAST_INVERSE);
 }
 
-static void set_error(shb_format format, shb_distance *distance) {
-    const float step = format == SHB_FORMAT_UNORM16 ? 1.0f / 0xffff : 1.0f / 0xffffff;
-    distance->relative = 8 * 0x1p-24f; /* 5 of the map's depths, the rest of receivers */
-    distance->fixed = format == SHB_FORMAT_FLOAT32 ? 0 : step;
-}
-
 shb_distance shb_distance_of(const shb_map *map) {
     const shb_projection *p = &map->projection;
     const double far_depth = (double)shb_far_depth(map->info.view.reversed);
-    shb_distance distance = {.far_depth = (float)far_depth, .scale = 1};
-    set_error(map->info.format, &distance);
+    shb_distance distance = {
+        .far_depth = (float)far_depth,
+        .scale = 1,
+        .relative = 8 * 0x1p-24f, /* 5 of the map's depths, the rest of receivers */
+        .fixed = shb_format_step(map->info.format),
+    };
     if (p->row_w[0] == 0 && p->row_w[1] == 0 && p->row_w[2] == 0)
         return distance;
     const shb_depth_range range = shb_depth_range_of(map);

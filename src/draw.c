@@ -10,8 +10,8 @@
 #include "scene.h"
 #include "tile.h"
 
-#define TILE_SIZE                                                                                  \
-    256 /* 0.25 MB of depths: half of a usual second-level cache with a second layer */
+/* 0.25 MB of depths: half of a usual second-level cache with a second layer. */
+#define TILE_SIZE 256
 
 static shb_result check_depth_image(const shb_context *context, const shb_draw_desc *desc,
                                     const char *field, const shb_depth_image *image) {

@@ -21,22 +21,18 @@ static void ask_lists(const shb_lists *lists, const shb_exact_points *points, fl
 }
 
 static bool has_planes_alone(const shb_map *map) {
-    return map->info.occluders == SHB_OCCLUDERS_PLANES && map->occluders.held;
+    return map->info.occluders == SHB_OCCLUDERS_PLANES;
 }
 
-/* By all that the map keeps for the exact method; nothing held: an empty map. */
+/* By all that the map keeps for the exact method. */
 static void ask_occluders(const shb_map *map, const shb_exact_points *points,
                           const shb_receivers *receivers, float *visibility) {
-    if (map->lists) {
+    if (map->lists)
         ask_lists(map->lists, points, visibility);
-    } else if (has_planes_alone(map)) {
+    else if (has_planes_alone(map))
         map->context->shade_kernels->planes(map, points->count, receivers, visibility);
-    } else if (map->occluders.held) {
+    else
         shb_exact_ask_triangles(map, points, receivers, visibility);
-    } else {
-        for (size_t i = 0; i < shb_round_to_lanes(points->count); i++)
-            visibility[i] = 1;
-    }
 }
 
 /* Writes the answers that are certain, and the numbers of the other fragments; returns how many
@@ -80,7 +76,7 @@ static void ask_sheets_first(const shb_map *map, const shb_exact_points *points,
 
 void shb_exact_visibility(const shb_filter_args *args) {
     const shb_map *map = args->map;
-    const bool settles = map->classifies && map->occluders.held && !args->lifted;
+    const bool settles = map->classifies && !args->lifted;
     if (!settles && has_planes_alone(map)) { /* they do not ask for exact points */
         map->context->shade_kernels->planes(map, args->count, args->receivers, args->visibility);
         return;

@@ -10,10 +10,6 @@ void shb_hard_test(const shb_filter_args *args) {
                                             args->visibility);
 }
 
-static void hard_exact(const shb_filter_args *args) {
-    shb_exact_visibility(args);
-}
-
 shb_filter shb_filter_hard(void) {
-    return (shb_filter){.name = "hard", .filter = shb_hard_test, .exact = hard_exact};
+    return (shb_filter){.name = "hard", .filter = shb_hard_test, .exact = shb_exact_visibility};
 }

@@ -21,7 +21,8 @@ static float stored_depth(float canonical, bool reversed) {
 }
 
 /* Away from the viewer. The product is exact: 24 bits times at most 24 bits. */
-static uint32_t quantize(float canonical, bool reversed, double max) {
+static uint32_t quantize(float canonical, bool reversed, float largest) {
+    const double max = (double)largest;
     const double scaled = (double)stored_depth(canonical, reversed) * max;
     const double rounded = reversed ? floor(scaled) : ceil(scaled);
     return (uint32_t)(rounded < 0 ? 0 : rounded > max ? max : rounded);
@@ -39,11 +40,11 @@ void shb_format_store(shb_format format, bool reversed, size_t count, const floa
         break;
     case SHB_FORMAT_UNORM24:
         for (size_t i = 0; i < count; i++)
-            unorm24[i] = quantize(canonical[i], reversed, 0xffffff);
+            unorm24[i] = quantize(canonical[i], reversed, UNORM24_MAX);
         break;
     case SHB_FORMAT_UNORM16:
         for (size_t i = 0; i < count; i++)
-            unorm16[i] = (uint16_t)quantize(canonical[i], reversed, 0xffff);
+            unorm16[i] = (uint16_t)quantize(canonical[i], reversed, UNORM16_MAX);
         break;
     }
 }
@@ -61,11 +62,11 @@ void shb_format_load(shb_format format, bool reversed, size_t count, const void 
         break;
     case SHB_FORMAT_UNORM24:
         for (size_t i = 0; i < count; i++)
-            canonical[i] = sign * ((float)unorm24[i] / 16777215.0f);
+            canonical[i] = sign * ((float)unorm24[i] / UNORM24_MAX);
         break;
     case SHB_FORMAT_UNORM16:
         for (size_t i = 0; i < count; i++)
-            canonical[i] = sign * ((float)unorm16[i] / 65535.0f);
+            canonical[i] = sign * ((float)unorm16[i] / UNORM16_MAX);
         break;
     }
 }

@@ -7,10 +7,6 @@
 #include <float.h>
 #include <math.h>
 
-/* Texel coordinates and depths of points far outside the map end here, so that neither a conversion
- * to int nor a filter's walk from there can overflow. */
-#define LIMIT (-(double)SHB_TEXEL_NONE)
-
 static void matrix_row(const shb_mat4 *matrix, int row, double *out) {
     for (int column = 0; column < 4; column++)
         out[column] = matrix->m[4 * column + row];

@@ -5,18 +5,12 @@
 #include "topology.h"
 
 #include "clusters.h"
+#include "hash.h"
 #include "scene.h"
 
 #include <string.h>
 
 #define TRIANGLES_MAX (((size_t)1 << 29) - 1)
-
-/* The finalizer of splitmix64 (Steele, Lea and Flood 2014). */
-static uint64_t mix(uint64_t bits) {
-    bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-    bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-    return bits ^ (bits >> 31);
-}
 
 /* Four sums in turn, so that the multiplications need not wait for each other. */
 typedef struct key_sums {
@@ -25,11 +19,12 @@ typedef struct key_sums {
 
 static void add_words(key_sums *key, size_t number, const uint32_t words[3]) {
     uint64_t *sum = &key->sums[number % 4];
-    *sum = mix((*sum ^ words[0]) + ((uint64_t)words[1] << 32)) ^ words[2];
+    *sum = shb_mix((*sum ^ words[0]) + ((uint64_t)words[1] << 32)) ^ words[2];
 }
 
 static uint64_t key_of(const key_sums *key) {
-    return mix(mix(mix(mix(key->sums[0]) ^ key->sums[1]) ^ key->sums[2]) ^ key->sums[3]);
+    return shb_mix(shb_mix(shb_mix(shb_mix(key->sums[0]) ^ key->sums[1]) ^ key->sums[2]) ^
+                   key->sums[3]);
 }
 
 uint64_t shb_mesh_key(const shb_mesh *mesh) {
@@ -70,12 +65,6 @@ static size_t table_size(size_t count) {
     return size;
 }
 
-static uint64_t bits_of(double value) {
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
-
 typedef struct weld_table {
     size_t mask;
     uint32_t *slots;  /* SHB_ID_NONE: free */
@@ -87,7 +76,7 @@ typedef struct weld_table {
 static uint32_t weld(weld_table *table, shb_vec3 point) {
     shb_topology *t = table->topology;
     const double p[3] = {point.x + 0.0, point.y + 0.0, point.z + 0.0};
-    size_t slot = mix(mix(mix(bits_of(p[0])) ^ bits_of(p[1])) ^ bits_of(p[2])) & table->mask;
+    size_t slot = shb_position_key(p) & table->mask;
     for (; table->slots[slot] != SHB_ID_NONE; slot = (slot + 1) & table->mask)
         if (memcmp(t->positions[table->slots[slot]], p, sizeof p) == 0)
             return table->slots[slot];

@@ -27,7 +27,7 @@ static inline ALWAYS_INLINE void move_along_normal(shb_receivers *restrict r, si
 #define FOR_LANES(count) for (size_t i = 0, lanes_ = shb_round_to_lanes(count); i < lanes_; i++)
 
 static void own_depth(size_t count, shb_receivers *restrict r) {
-    FOR_LANES(count) {
+    FOR_LANES (count) {
         r->ref[i] = r->depth[i];
         r->step_x[i] = 0;
         r->step_y[i] = 0;
@@ -39,11 +39,14 @@ static void constant_depth(const shb_bias_args *args) {
     const float amount = args->bias->params[0];
     const float unit = args->bias->params[1];
     if (unit == SHB_UNIT_TEXEL)
-        FOR_LANES(args->count)
-    write_flat(r, i, amount * r->texel_size[i] * r->depth_per_world[i]);
-    else if (unit == SHB_UNIT_WORLD) FOR_LANES(args->count)
-        write_flat(r, i, amount * r->depth_per_world[i]);
-    else FOR_LANES(args->count) write_flat(r, i, amount);
+        FOR_LANES (args->count)
+            write_flat(r, i, amount * r->texel_size[i] * r->depth_per_world[i]);
+    else if (unit == SHB_UNIT_WORLD)
+        FOR_LANES (args->count)
+            write_flat(r, i, amount * r->depth_per_world[i]);
+    else
+        FOR_LANES (args->count)
+            write_flat(r, i, amount);
 }
 
 static void slope_depth(const shb_bias_args *args) {
@@ -51,7 +54,7 @@ static void slope_depth(const shb_bias_args *args) {
     const float factor = args->bias->params[0];
     const float constant = args->bias->params[1] * 0x1p-24f;
     const float clamp = args->bias->params[2] == 0 ? FLT_MAX : args->bias->params[2];
-    FOR_LANES(args->count) {
+    FOR_LANES (args->count) {
         const float x = fabsf(r->slope_x[i]), y = fabsf(r->slope_y[i]);
         const float offset = factor * (x > y ? x : y) + constant;
         write_flat(r, i, offset < clamp ? offset : clamp);
@@ -63,7 +66,7 @@ static void angle_depth(const shb_bias_args *args) {
     const float scene_scale = (float)args->map->scene_scale;
     const float base = args->bias->params[0] * scene_scale;
     const float limit = args->bias->params[1] * scene_scale;
-    FOR_LANES(args->count) {
+    FOR_LANES (args->count) {
         const float distance = base / r->cosine[i];
         write_flat(r, i, (distance < limit ? distance : limit) * r->depth_per_world[i]);
     }
@@ -72,22 +75,22 @@ static void angle_depth(const shb_bias_args *args) {
 static void receiver_plane_depth(const shb_bias_args *args) {
     shb_receivers *restrict r = args->receivers;
     const float epsilon = args->bias->params[0];
-    FOR_LANES(args->count)
-    write_plane(r, i, epsilon);
+    FOR_LANES (args->count)
+        write_plane(r, i, epsilon);
 }
 
 static void adaptive_depth(const shb_bias_args *args) {
     shb_receivers *restrict r = args->receivers;
     const float epsilon = shb_world_epsilon(args->map, args->bias);
-    FOR_LANES(args->count)
-    write_plane(r, i, r->depth_per_world[i] * epsilon);
+    FOR_LANES (args->count)
+        write_plane(r, i, r->depth_per_world[i] * epsilon);
 }
 
 static void adaptive_soft_depth(const shb_bias_args *args) {
     shb_receivers *restrict r = args->receivers;
     const float epsilon = shb_world_epsilon(args->map, args->bias);
     const float threshold = args->bias->params[2];
-    FOR_LANES(args->count) {
+    FOR_LANES (args->count) {
         const float steep = 1 / (r->cosine[i] * r->cosine[i]);
         const float factor = steep < threshold ? steep : threshold;
         write_plane(r, i, r->depth_per_world[i] * epsilon * factor);
@@ -97,7 +100,7 @@ static void adaptive_soft_depth(const shb_bias_args *args) {
 static void normal_offset(const shb_bias_args *args) {
     shb_receivers *restrict r = args->receivers;
     const float texels = args->bias->params[0];
-    FOR_LANES(args->count) {
+    FOR_LANES (args->count) {
         const float sine = sqrtf(1 - r->cosine[i] * r->cosine[i]);
         move_along_normal(r, i, texels * r->texel_size[i] * sine);
     }
@@ -106,14 +109,14 @@ static void normal_offset(const shb_bias_args *args) {
 static void normal_offset_depth(const shb_bias_args *args) {
     shb_receivers *restrict r = args->receivers;
     const float depth = args->bias->params[1];
-    FOR_LANES(args->count)
-    write_flat(r, i, depth);
+    FOR_LANES (args->count)
+        write_flat(r, i, depth);
 }
 
 static void texel_cone(const shb_bias_args *args) {
     shb_receivers *restrict r = args->receivers;
     const float half_diagonal = 0.70710678f; /* of a texel of width 1 */
-    FOR_LANES(args->count) {
+    FOR_LANES (args->count) {
         const float sine = sqrtf(1 - r->cosine[i] * r->cosine[i]);
         const float radius = half_diagonal * r->texel_size[i];
         move_along_normal(r, i, radius * (1.16f * sine + 0.195f));

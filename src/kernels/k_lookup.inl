@@ -1,8 +1,5 @@
 /* Reading a map's texels, and the hard test. */
 
-#define UNORM24_MAX 16777215.0f
-#define UNORM16_MAX 65535.0f
-
 /* Reads the texels as they are stored; those outside the map read its first one. */
 #define READ_TEXELS(type)                                                                          \
     for (size_t i = 0; i < count; i++) {                                                           \

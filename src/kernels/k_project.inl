@@ -51,6 +51,7 @@ static inline ALWAYS_INLINE void write_scales(const shb_projection *p, wd w,
 
 static inline ALWAYS_INLINE void write_texels(wd x, wd y, wd z, shb_receivers *restrict r,
                                               size_t i) {
+    /* Neither a conversion to int nor a filter's walk from there may overflow. */
     const double limit = -(double)SHB_TEXEL_NONE;
     const wd column = limited(x, limit), row = limited(y, limit);
     const wd texel_x = wd_floor(column), texel_y = wd_floor(row);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "../area_light.h"
+#include "../hash.h"
 #include "../vector.h"
 #include "reference.h"
 #include "shaft.h"
@@ -31,20 +32,13 @@ typedef struct receiver {
     shb_shaft_blocker blockers[BLOCKERS]; /* the first one is the latest that did */
 } receiver;
 
-/* The finalizer of MurmurHash3. */
-static uint64_t mix(uint64_t h) {
-    h = (h ^ h >> 33) * 0xff51afd7ed558ccdu;
-    h = (h ^ h >> 33) * 0xc4ceb9fe1a85ec53u;
-    return h ^ h >> 33;
-}
-
 static shb_area_place shift_of(shb_vec3 position) {
     const double coordinates[3] = {position.x, position.y, position.z};
     uint64_t hash = 0;
     for (int i = 0; i < 3; i++) {
         uint64_t bits;
         memcpy(&bits, &coordinates[i], sizeof bits);
-        hash = mix(hash * 0x9e3779b97f4a7c15u + bits + 1);
+        hash = shb_mix(hash * 0x9e3779b97f4a7c15u + bits + 1);
     }
     return (shb_area_place){(double)(hash >> 32) * 0x1p-32, (double)(hash & 0xffffffffu) * 0x1p-32};
 }

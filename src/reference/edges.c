@@ -4,6 +4,8 @@
 
 #include "edges.h"
 
+#include "../hash.h"
+
 #include <string.h>
 
 typedef struct welder {
@@ -18,20 +20,9 @@ static const double *position_of(const welder *w, uint32_t corner) {
     return w->triangles[corner / 3].corners[corner % 3];
 }
 
-static uint64_t mix(uint64_t hash, uint64_t value) {
-    hash = (hash ^ value) * 0x9e3779b97f4a7c15u;
-    return hash ^ (hash >> 32);
-}
-
 static uint64_t hash_of_position(const double position[3]) {
-    uint64_t hash = 0;
-    for (int i = 0; i < 3; i++) {
-        const double value = position[i] + 0.0; /* -0 becomes 0 */
-        uint64_t bits;
-        memcpy(&bits, &value, sizeof bits);
-        hash = mix(hash, bits);
-    }
-    return hash;
+    /* -0 becomes 0 */
+    return shb_position_key((double[3]){position[0] + 0.0, position[1] + 0.0, position[2] + 0.0});
 }
 
 static bool same_position(const double a[3], const double b[3]) {
@@ -78,7 +69,7 @@ static ends ends_of(const welder *w, uint32_t half_edge) {
 
 static void add_half_edge(welder *w, shb_edges *edges, uint32_t half_edge) {
     const ends own = ends_of(w, half_edge);
-    size_t place = mix(mix(0, own.low), own.high) & w->mask;
+    size_t place = shb_mix((uint64_t)own.high << 32 | own.low) & w->mask;
     for (; w->table[place] != SHB_ID_NONE; place = (place + 1) & w->mask) {
         const uint32_t head = w->table[place];
         const ends other = ends_of(w, head);
