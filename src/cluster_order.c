@@ -5,6 +5,7 @@
 #include "kernels/raster.h"
 #include "scene.h"
 #include "starts.h"
+#include "vector.h"
 
 #include <math.h>
 
@@ -21,31 +22,14 @@ typedef struct place {
     uint32_t triangle;
 } place;
 
-static shb_box empty_box(void) {
-    return (shb_box){{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-}
-
-static bool is_finite(const float *p) {
-    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
-}
-
-static void grow(shb_box *box, const float *p) {
-    const double x = (double)p[0], y = (double)p[1], z = (double)p[2];
-    box->lo.x = x < box->lo.x ? x : box->lo.x;
-    box->lo.y = y < box->lo.y ? y : box->lo.y;
-    box->lo.z = z < box->lo.z ? z : box->lo.z;
-    box->hi.x = x > box->hi.x ? x : box->hi.x;
-    box->hi.y = y > box->hi.y ? y : box->hi.y;
-    box->hi.z = z > box->hi.z ? z : box->hi.z;
-}
-
 static void grow_by_triangle(const shb_mesh *mesh, uint32_t triangle, shb_box *box) {
     uint32_t vertices[3];
     shb_mesh_triangle(mesh, triangle, vertices);
     for (int k = 0; k < 3; k++) {
         const float *p = shb_mesh_position(mesh, vertices[k]);
-        if (is_finite(p))
-            grow(box, p);
+        const shb_vec3 corner = {(double)p[0], (double)p[1], (double)p[2]};
+        if (vec3_is_finite(corner))
+            box_grow(box, corner);
     }
 }
 
@@ -61,7 +45,7 @@ static double surface(const shb_box *box) {
 static double measure_runs(const shb_mesh *mesh, const place *places) {
     double sum = 0;
     for (uint64_t first = 0; first < mesh->triangle_count; first += SHB_CHUNK) {
-        shb_box box = empty_box();
+        shb_box box = box_empty();
         for (uint64_t i = first; i < first + SHB_CHUNK && i < mesh->triangle_count; i++)
             grow_by_triangle(mesh, places ? places[i].triangle : (uint32_t)i, &box);
         sum += surface(&box);
@@ -87,7 +71,7 @@ static uint64_t quantize(double offset, double scale) {
  */
 static uint64_t key_of(const shb_mesh *mesh, uint32_t triangle, const shb_box *bounds,
                        double scale) {
-    shb_box box = empty_box();
+    shb_box box = box_empty();
     grow_by_triangle(mesh, triangle, &box);
     return spread_bits(quantize((box.lo.x + box.hi.x) / 2 - bounds->lo.x, scale)) |
            spread_bits(quantize((box.lo.y + box.hi.y) / 2 - bounds->lo.y, scale)) << 1 |
@@ -95,7 +79,7 @@ static uint64_t key_of(const shb_mesh *mesh, uint32_t triangle, const shb_box *b
 }
 
 static void place_triangles(const shb_mesh *mesh, place *places) {
-    shb_box bounds = empty_box();
+    shb_box bounds = box_empty();
     for (uint32_t i = 0; i < mesh->triangle_count; i++)
         grow_by_triangle(mesh, i, &bounds);
     const double size =

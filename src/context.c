@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 enum { THREADS_MAX = 256, HOST_THREADS = 8, SENTENCE_MAX = 256 };

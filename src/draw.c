@@ -4,7 +4,6 @@
 
 #include "chunk_tile.h"
 #include "context.h"
-#include "format.h"
 #include "marks.h"
 #include "matrix.h"
 #include "scene.h"

@@ -7,7 +7,6 @@
 #include "kernels/shade.h"
 #include "kernels/sheets.h"
 #include "lists.h"
-#include "occluders.h"
 #include "project.h"
 
 static void ask_lists(const shb_lists *lists, const shb_exact_points *points, float *visibility) {

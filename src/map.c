@@ -7,6 +7,7 @@
 #include "occluders.h"
 #include "prepare.h"
 #include "project.h"
+#include "vector.h"
 
 #include <float.h>
 #include <string.h>
@@ -19,15 +20,6 @@ static size_t padded_stride(uint32_t width, size_t texel_size) {
 
 static double length_of_diagonal(const shb_box *box) {
     return shb_vec3_length(shb_vec3_subtract(box->hi, box->lo));
-}
-
-static void box_add(shb_box *box, shb_vec3 point) {
-    box->lo.x = point.x < box->lo.x ? point.x : box->lo.x;
-    box->lo.y = point.y < box->lo.y ? point.y : box->lo.y;
-    box->lo.z = point.z < box->lo.z ? point.z : box->lo.z;
-    box->hi.x = point.x > box->hi.x ? point.x : box->hi.x;
-    box->hi.y = point.y > box->hi.y ? point.y : box->hi.y;
-    box->hi.z = point.z > box->hi.z ? point.z : box->hi.z;
 }
 
 /* The homogeneous world point of normalised coordinates. */
@@ -48,11 +40,11 @@ static double frustum_scale(const shb_view *view, const shb_mat4 *world_from_cli
     const double near_w = unproject(world_from_clip, 0, 0, near_depth, &point);
     const double far_w = unproject(world_from_clip, 0, 0, 1 - near_depth, &point);
     const double far_depth = far_w > near_w * 0x1p-40 ? 1 - near_depth : 0.5;
-    shb_box box = {{DBL_MAX, DBL_MAX, DBL_MAX}, {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
+    shb_box box = box_empty();
     for (int corner = 0; corner < 8; corner++) {
         const double w = unproject(world_from_clip, corner & 1 ? 1 : -1, corner & 2 ? 1 : -1,
                                    corner & 4 ? far_depth : near_depth, &point);
-        box_add(&box, shb_vec3_scale(point, 1 / w));
+        box_grow(&box, shb_vec3_scale(point, 1 / w));
     }
     return length_of_diagonal(&box);
 }

@@ -3,7 +3,6 @@
 #include "moment_map.h"
 
 #include "kernels/moments.h"
-#include "project.h"
 
 shb_result shb_filter_check_param(const shb_map *map, const shb_filter *filter, const char *param,
                                   float value, float lo, float hi) {

@@ -2,12 +2,10 @@
 
 #include "occluders.h"
 
-#include "format.h"
 #include "light_point.h"
 #include "occluder_planes.h"
 #include "prepare.h"
 
-#include <float.h>
 #include <math.h>
 
 /* Depth changes by this much from texel to texel at the near plane, on a plane at 45 degrees to the

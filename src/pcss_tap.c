@@ -2,8 +2,6 @@
 
 #include "pcss.h"
 
-#include <math.h>
-
 /* Adding this rounds a float below 2^22 to an integer, ties to even, as the kernels do. */
 #define ROUNDING 12582912.0f
 

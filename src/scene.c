@@ -6,8 +6,6 @@
 #include "matrix.h"
 #include "vector.h"
 
-#include <math.h>
-
 static bool is_all_zero(const shb_mat4 *a) {
     for (int i = 0; i < 16; i++)
         if (a->m[i] != 0)

@@ -3,7 +3,6 @@
 #include "tile.h"
 
 #include "layers.h"
-#include "scratch.h"
 
 #include <stdatomic.h>
 

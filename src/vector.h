@@ -1,4 +1,4 @@
-/* The public vector functions where calls would cost more than the work. */
+/* Vectors and boxes, for where calls of the public functions would cost more than the work. */
 #ifndef SRC_VECTOR_H
 #define SRC_VECTOR_H
 
@@ -44,6 +44,19 @@ static inline shb_vec3 mat4_transform_point(const shb_mat4 *a, shb_vec3 p) {
     return (shb_vec3){m[0] * p.x + m[4] * p.y + m[8] * p.z + m[12],
                       m[1] * p.x + m[5] * p.y + m[9] * p.z + m[13],
                       m[2] * p.x + m[6] * p.y + m[10] * p.z + m[14]};
+}
+
+static inline shb_box box_empty(void) {
+    return (shb_box){{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+}
+
+static inline void box_grow(shb_box *box, shb_vec3 p) {
+    box->lo.x = p.x < box->lo.x ? p.x : box->lo.x;
+    box->lo.y = p.y < box->lo.y ? p.y : box->lo.y;
+    box->lo.z = p.z < box->lo.z ? p.z : box->lo.z;
+    box->hi.x = p.x > box->hi.x ? p.x : box->hi.x;
+    box->hi.y = p.y > box->hi.y ? p.y : box->hi.y;
+    box->hi.z = p.z > box->hi.z ? p.z : box->hi.z;
 }
 
 #endif

@@ -14,7 +14,6 @@
 #include "shadowbias/area.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SIZE = 64 };

@@ -1,6 +1,5 @@
 #include "../src/cluster_cull.h"
 #include "../src/cover.h"
-#include "../src/matrix.h"
 #include "../src/plane.h"
 
 #include "random.h"

@@ -3,7 +3,6 @@
 #include "../src/corner_errors.h"
 #include "../src/exact.h"
 #include "../src/map.h"
-#include "../src/matrix.h"
 #include "oracle.h"
 #include "random.h"
 #include "soup.h"

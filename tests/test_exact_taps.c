@@ -3,7 +3,6 @@
 #include "../src/exact.h"
 #include "../src/half.h"
 #include "../src/occluders.h"
-#include "../src/project.h"
 
 #include "isas.h"
 #include "probe.h"

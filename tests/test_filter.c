@@ -1,6 +1,5 @@
 /* The hard filter and the texels under it: wrapped arrays with known contents. */
 #include "probe.h"
-#include "random.h"
 #include "test.h"
 
 #include <math.h>

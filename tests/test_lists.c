@@ -2,7 +2,6 @@
 #include "list_samples.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "oracle.h"

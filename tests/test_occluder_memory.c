@@ -4,8 +4,6 @@
 #include "soup.h"
 #include "test.h"
 
-#include <stdlib.h>
-
 enum { SIZE = 64 };
 
 typedef struct host {

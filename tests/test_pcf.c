@@ -1,7 +1,6 @@
 /* Filters of boxes of texels against a slow tap-by-tap reference, on maps and receivers that no
  * scene should have. */
 #include "../src/poisson.h"
-#include "../src/taps.h"
 
 #include "isas.h"
 #include "probe.h"

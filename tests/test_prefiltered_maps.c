@@ -8,7 +8,6 @@
 #include "test.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const char *const texts[] = {"variance",

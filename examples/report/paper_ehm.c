@@ -6,7 +6,6 @@
 #include "ehm_tables.h"
 #include "tool.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { ROWS_MAX = 24, SIZES = 5 };

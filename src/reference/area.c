@@ -1,7 +1,6 @@
 /* How much of an area light reaches points, by rays. */
 #include "../strict.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "../area_light.h"

@@ -3,8 +3,6 @@
 
 #include "edge_grid.h"
 
-#include <math.h>
-
 /* Positions that are meant to touch may lie half a unit in the last place of the largest coordinate
  * apart, and a plane through rounded corners strays by more beyond its triangle: 8 units for both.
  */

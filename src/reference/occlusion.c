@@ -3,8 +3,6 @@
 
 #include "reference.h"
 
-#include <math.h>
-
 #include "../scene.h"
 #include "../vector.h"
 

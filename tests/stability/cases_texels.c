@@ -3,7 +3,6 @@
 
 #include "shapes.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /* value: thickness in texels. */

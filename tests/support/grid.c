@@ -1,6 +1,5 @@
 #include "grid.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 static test_grid allocate(uint32_t vertices, uint32_t triangles) {
