@@ -30,7 +30,7 @@ static double along_at(const shb_walk *walk, const shb_walk_triangle *t, uint32_
  * both. False: it crosses none. */
 static bool choose_exit(shb_walk *walk) {
     static const uint8_t alone_of[8] = {3, 0, 1, 2, 2, 1, 0, 3};
-    const shb_walk_triangle *triangle = &walk->mesh->triangles[walk->triangle];
+    const shb_walk_triangle *triangle = &walk->mesh->triangles[walk->first];
     double across[3], along[3];
     uint32_t left = 0;
     for (uint32_t k = 0; k < 3; k++) {
@@ -64,14 +64,14 @@ static bool choose_exit(shb_walk *walk) {
 }
 
 static uint32_t stop(shb_walk *walk, bool cut) {
-    walk->triangle = SHB_ID_NONE;
+    walk->first = SHB_ID_NONE;
     walk->cut = cut;
     return SHB_ID_NONE;
 }
 
 /* Where snapping covered a sample just outside the triangle, its middle is a better start. */
 static void enter(shb_walk *walk) {
-    const shb_walk_triangle *t = &walk->mesh->triangles[walk->triangle];
+    const shb_walk_triangle *t = &walk->mesh->triangles[walk->first];
     const uint32_t whole = 7 * SHB_CORNER_SEEN;
     bool goes = (t->marks & whole) == whole;
     if (goes && !choose_exit(walk)) {
@@ -87,9 +87,8 @@ void shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double 
     walk->mesh = mesh;
     walk->to[0] = to[0];
     walk->to[1] = to[1];
-    walk->first = walk->triangle = triangle;
+    walk->first = triangle;
     walk->steps = 1;
-    walk->cut = false;
     set_way(walk, from[0], from[1]);
     enter(walk);
 }
@@ -98,7 +97,7 @@ void shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double 
  * the exit's end on the same side of the line. The walk is over where it has come round, or gone
  * too far from both places for what it meets to come back to them. */
 uint32_t shb_walk_next(shb_walk *walk) {
-    if (walk->triangle == SHB_ID_NONE)
+    if (walk->first == SHB_ID_NONE)
         return SHB_ID_NONE;
     uint32_t beyond = walk->beyond, lower = walk->lower, id;
     double before, crossing = walk->crossing;
@@ -126,7 +125,6 @@ uint32_t shb_walk_next(shb_walk *walk) {
         before = crossing;
         crossing = across[1] * along[0] - across[0] * along[1];
     } while (!(((before <= 0) & (crossing >= 0)) | ((before >= 0) & (crossing <= 0))));
-    walk->triangle = id;
     walk->beyond = beyond;
     walk->lower = lower;
     walk->crossing = crossing;

@@ -19,7 +19,7 @@ typedef struct shb_walk {
     const shb_light_mesh *mesh;
     double to[2], way[2];     /* texels; the way leads from the first place to the other */
     double nearest, farthest; /* along the line: what lies farther off does not come back */
-    uint32_t first, triangle; /* the latest; SHB_ID_NONE: the walk has ended */
+    uint32_t first;           /* triangle; SHB_ID_NONE: the walk has ended */
     /* The ends, on the left and on the right, of the edge that it leaves by: how far they lie
      * across the line, negative on the left, and along it beyond to; both times the line's length.
      */
@@ -29,8 +29,8 @@ typedef struct shb_walk {
     double
         crossing; /* where the line crosses that edge, along it, times the edge's extent across */
     int steps;
-    bool cut; /* it ended where no single triangle goes on, or at the light's near plane, or was too
-                 long */
+    bool cut; /* of one that has ended: where no single triangle goes on, or at the light's near
+                 plane, or because it was too long */
 } shb_walk;
 
 /* Begins a walk from a triangle that the line from one place to another crosses, or nearly so. */

@@ -8,6 +8,8 @@
 #include "soup.h"
 #include "test.h"
 
+#include <math.h>
+
 enum { SIZE = 16, POINTS_MAX = 32 };
 
 /* A point of a profile; the light's view is -1 < x < 1. */
@@ -194,6 +196,46 @@ TEST(walks_are_cut_at_borders) {
     CHECK(walk.cut);
     CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
     ribbon_free(&r);
+}
+
+/* The second segment rises through the light's near plane, z = 4, or has no height there: its
+ * triangles are not followed, whether a way comes to them or begins there. */
+TEST(walks_are_cut_at_the_near_plane) {
+    const float heights[] = {5, NAN};
+    for (int i = 0; i < 2; i++) {
+        const profile_point points[] = {
+            {-0.6f, 0.5f}, {0.1f, 0.6f}, {0.5f, heights[i]}, {0.9f, 0.5f}};
+        ribbon r = ribbon_of(4, points, 0);
+        for (int segment = 0; segment < 2; segment++) {
+            const double from = segment ? 0.2 : 0;
+            CHECK_INT(straight(&r, segment, from, 0.3, 0.1), SHB_ID_NONE);
+            shb_walk walk = walk_of(&r, segment, from, 0.3, 0.1);
+            CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+            CHECK(walk.cut);
+        }
+        ribbon_free(&r);
+    }
+}
+
+/* A roof that folds back beyond the place and, below, forth again before the start: walks look as
+ * far as two texels, 0.25, beyond both. */
+TEST(walks_follow_folds_as_far_as_their_reach) {
+    const double from = 0, to = 0.25;
+    for (int i = 0; i < 4; i++) {
+        const bool is_back_near = i & 1, is_forth_near = i & 2;
+        const float back = is_back_near ? 0.4375f : 0.5625f;
+        const float forth = is_forth_near ? -0.1875f : -0.3125f;
+        const profile_point points[] = {{-0.9f, 0.6f}, {back, 0.5f}, {forth, 0.3f}, {0.9f, 0.2f}};
+        ribbon r = ribbon_of(4, points, 0);
+        shb_walk walk = walk_of(&r, 0, from, to, 0.1);
+        if (is_back_near)
+            CHECK_INT(shb_walk_next(&walk), triangle_at(&r, 1, to, 0.1));
+        if (is_back_near && is_forth_near)
+            CHECK_INT(shb_walk_next(&walk), triangle_at(&r, 2, to, 0.1));
+        CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+        CHECK(!walk.cut || (is_back_near && is_forth_near));
+        ribbon_free(&r);
+    }
 }
 
 /* Three segments meet at x = 0.125: which of two the line follows is anyone's guess. */

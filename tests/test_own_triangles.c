@@ -299,6 +299,35 @@ TEST(positions_count_where_they_are_farther_off_than_a_host_rounds) {
     close_plate(&host);
 }
 
+/* The names say light where positions are dark, or the other way round. Triangle 2 is the plate's,
+ * from (-1, -1, 1) to x = 0.1. */
+TEST(positions_count_on_whatever_side_they_are_off) {
+    static const struct {
+        uint32_t id;
+        float weight_1, position[3], visibility;
+    } cases[] = {
+        {0, 0.125f, {0.5f, -0.75f, 0}, 1},  {0, 0.5f, {-0.5f, -0.75f, 0}, 0},
+        {0, 0.125f, {-0.5f, 1.5f, 0}, 1},   {0, 0.125f, {-0.5f, -1.5f, 0}, 1},
+        {0, 0.125f, {-0.5f, -0.75f, 2}, 1}, {2, 0.125f, {-0.725f, -0.75f, 0}, 0},
+    };
+    static const float normal[] = {0, 0, 1}, weight_2 = 0.125f;
+    const shb_bias exact = shb_bias_exact();
+    for (int kind = SHB_OCCLUDERS_TRIANGLES; kind <= SHB_OCCLUDERS_LISTS; kind++) {
+        plate_map host;
+        open_plate(&host, (shb_occluders)kind);
+        for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+            const shb_points point = {.count = 1,
+                                      .positions = cases[i].position,
+                                      .normals = normal,
+                                      .own = {&cases[i].id, &cases[i].weight_1, &weight_2}};
+            float visibility = 7;
+            CHECK_INT(shb_map_visibility(host.map, &point, &exact, NULL, &visibility), SHB_OK);
+            CHECK(visibility == cases[i].visibility);
+        }
+        close_plate(&host);
+    }
+}
+
 /* What a frame's fragments saw, pixel by pixel. */
 enum { FRAME = 96 };
 typedef struct seen_frame {

@@ -162,3 +162,72 @@ TEST(a_smooth_terminator_changes_nothing_on_flat_surfaces) {
     CHECK(plain.hash == smooth.hash && smooth.hash == bare.hash && plain.hash != 0);
     owned_mesh_free(&built);
 }
+
+/* Fragments of the floor near the middle of its right half. */
+static void count_dark_below_the_roof(const shb_shade_args *args) {
+    tally *seen = (tally *)args->user;
+    for (size_t i = 0; i < args->count; i++) {
+        const float x = args->fragments->x[i], y = args->fragments->y[i];
+        const bool is_below = x > 0.85f && x < 0.95f && y > -0.4f && y < 0.4f;
+        seen->facing += is_below;
+        seen->dark += is_below && args->lighting[0].visibility[i] == 0;
+    }
+}
+
+static shb_view square_from_above(void) {
+    shb_view view = {{{0}}, false};
+    CHECK_INT(shb_view_orthographic((shb_vec3){0, 0, 4}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0},
+                                    1, 1, 1, 8, false, &view),
+              SHB_OK);
+    return view;
+}
+
+/* A texel, 0.5 < x < 1, that a roof z = 0.8 x covers, from 0.4 on and 0.6 at its centre. The
+ * normals of the floor at z = 0.3 lean by (0, 0.28, 0.96) to its ends at y = 1 and -1, so that a
+ * point is moved up by 0.2688 (1 - y^2), to between 0.5 and 0.57. What is known of points of the
+ * scene that high in the texel, that they are on the roof, is not true of it. */
+TEST(a_smooth_terminator_lights_nothing_below_a_roof) {
+    const shb_bias exact = shb_bias_exact();
+    const float up[] = {0, 0.28f, 0.96f}, down[] = {0, -0.28f, 0.96f};
+    const float floor_corners[4][3] = {
+        {-1.2f, -1, 0.3f}, {1.2f, -1, 0.3f}, {1.2f, 1, 0.3f}, {-1.2f, 1, 0.3f}};
+    owned_mesh ground = {0}, roof = {0};
+    for (int k = 0; k < 4; k++)
+        owned_mesh_add_vertex(&ground, floor_corners[k], k < 2 ? down : up);
+    owned_mesh_add_triangle(&ground, 0, 1, 2);
+    owned_mesh_add_triangle(&ground, 0, 2, 3);
+    shape_quad(&roof, (shb_vec3){0.25, -1.2, 0.2}, (shb_vec3){1.2, -1.2, 0.96},
+               (shb_vec3){1.2, 1.2, 0.96}, (shb_vec3){0.25, 1.2, 0.2});
+    const shb_mesh ground_mesh = owned_mesh_view(&ground), roof_mesh = owned_mesh_view(&roof);
+    const shb_instance instances[] = {{.mesh = &ground_mesh}, {.mesh = &roof_mesh}};
+    const shb_scene both = {instances, 2}, seen_scene = {instances, 1};
+    const shb_view view = square_from_above();
+    static uint32_t ids[FRAME * FRAME];
+    for (int kind = SHB_OCCLUDERS_PLANES; kind <= SHB_OCCLUDERS_LISTS; kind++) {
+        const shb_map_desc map_desc = {
+            .view = view, .width = 4, .occluders = (shb_occluders)kind, .classifies = true};
+        const shb_draw_desc draw = {
+            .view = &view, .scene = &seen_scene, .width = FRAME, .height = FRAME, .ids = ids};
+        shb_context *context;
+        shb_map *map;
+        CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+        CHECK_INT(shb_map_create(context, &map_desc, &map), SHB_OK);
+        CHECK_INT(shb_map_draw(map, &both, &exact, NULL), SHB_OK);
+        CHECK_INT(shb_draw(context, &draw, NULL), SHB_OK);
+        const shb_shade_light light = {.map = map, .bias = &exact, .color = {1, 1, 1}};
+        tally seen = {0};
+        const shb_shade_desc desc = {.frame = {&view, &seen_scene, FRAME, FRAME, ids, 0},
+                                     .lights = &light,
+                                     .light_count = 1,
+                                     .shade = count_dark_below_the_roof,
+                                     .user = &seen,
+                                     .smooth_terminator = true};
+        CHECK_INT(shb_shade(context, &desc), SHB_OK);
+        CHECK(seen.facing > 100);
+        CHECK_INT(seen.dark, seen.facing);
+        shb_map_destroy(map);
+        shb_context_destroy(context);
+    }
+    owned_mesh_free(&ground);
+    owned_mesh_free(&roof);
+}
