@@ -17,9 +17,10 @@ typedef struct key_sums {
     uint64_t sums[4];
 } key_sums;
 
+/* The factor spreads the last word, for it is the next first one that it must not undo. */
 static void add_words(key_sums *key, size_t number, const uint32_t words[3]) {
     uint64_t *sum = &key->sums[number % 4];
-    *sum = shb_mix((*sum ^ words[0]) + ((uint64_t)words[1] << 32)) ^ words[2];
+    *sum = shb_mix((*sum ^ words[0]) + ((uint64_t)words[1] << 32)) + words[2] * 0x9e3779b97f4a7c15u;
 }
 
 static uint64_t key_of(const key_sums *key) {
@@ -291,9 +292,11 @@ static bool link_edges(const shb_context *context, shb_topology *t) {
 bool shb_topology_make(const shb_context *context, const shb_scene *scene, uint64_t key,
                        shb_topology *topology) {
     const size_t count = (size_t)shb_scene_triangle_count(scene);
-    *topology = (shb_topology){.key = key, .triangle_count = count};
+    *topology = (shb_topology){0};
     if (count > TRIANGLES_MAX)
         return false;
+    topology->key = key;
+    topology->triangle_count = count;
     topology->corners = shb_alloc(context, count, sizeof *topology->corners);
     topology->neighbours = shb_alloc(context, count, sizeof *topology->neighbours);
     if (topology->corners && topology->neighbours && weld_scene(context, scene, topology) &&

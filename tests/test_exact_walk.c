@@ -277,14 +277,17 @@ TEST(triangles_without_corners_are_no_obstacle) {
     ribbon_free(&r);
 }
 
-/* Visibility at a place of the map, from a point at that height. */
-static float visibility_at(const ribbon *r, double x, double y, double z) {
-    const float position[3] = {(float)x, (float)y, (float)z}, normal[3] = {0, 0, 1};
+static float visibility_of(const ribbon *r, const float position[3], const float normal[3]) {
     const shb_points points = {.count = 1, .positions = position, .normals = normal};
     const shb_bias exact = shb_bias_exact();
     float visibility = -1;
     CHECK_INT(shb_map_visibility(r->map, &points, &exact, NULL, &visibility), SHB_OK);
     return visibility;
+}
+
+/* Visibility at a place of the map, from a point at that height. */
+static float visibility_at(const ribbon *r, double x, double y, double z) {
+    return visibility_of(r, (float[]){(float)x, (float)y, (float)z}, (float[]){0, 0, 1});
 }
 
 /* A ground whose end is bent back over itself by half a texel, between two rows of samples: those
@@ -354,6 +357,34 @@ TEST(below_what_is_not_welded_planes_answer) {
                      y = random_double(&random, -0.43, 0.43);
         CHECK(visibility_at(&r, x, y, -1) == 0);
         CHECK(visibility_at(&r, 0.7, y, -1) == 1);
+    }
+    ribbon_free(&r);
+}
+
+/* Such squares, 2^-20 apart and so hardly beside the plane z = x - y / 2: points at 0.05 below it
+ * are dark and those above it lit, whichever way they lie from the sample that is asked. */
+TEST(below_slanted_pieces_that_are_not_welded_planes_answer) {
+    static const float normal[] = {-1, 0.5f, 1};
+    ribbon r = {0};
+    for (int i = 0; i < 24; i++)
+        for (int k = 0; k < 24; k++) {
+            const float side = 0.125f / 3, raised = 0x1p-20f * (float)(i * 24 + k);
+            float corners[4][3];
+            for (int n = 0; n < 4; n++) {
+                corners[n][0] = -0.5f + side * (float)(i + (n == 1 || n == 2));
+                corners[n][1] = -0.5f + side * (float)(k + (n >= 2));
+                corners[n][2] = corners[n][0] - 0.5f * corners[n][1] + raised;
+            }
+            soup_add_quad(&r.s, corners[0], corners[1], corners[2], corners[3]);
+        }
+    draw(&r);
+    test_random random = {33};
+    for (int i = 0; i < 400; i++) {
+        const float x = (float)random_double(&random, -0.43, 0.43);
+        const float y = (float)random_double(&random, -0.43, 0.43);
+        const float z = x - 0.5f * y;
+        CHECK(visibility_of(&r, (float[]){x, y, z - 0.05f}, normal) == 0);
+        CHECK(visibility_of(&r, (float[]){x, y, z + 0.05f}, normal) == 1);
     }
     ribbon_free(&r);
 }

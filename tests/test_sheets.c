@@ -210,6 +210,46 @@ TEST(points_that_the_light_cannot_see_are_unsure) {
     soup_free(&s);
 }
 
+/* A blade over a floor at z = 2, from (-0.3, 2.5) to (1.5, 5.5) in x and z and 0.6 wide, through
+ * the near plane and, with the spot, past the light. What the near plane leaves of it ends at x =
+ * 0.6; seen from the spot at x = 0, its lower end 0.4 about the axis on the floor and its upper one
+ * 0.6. A triangle that is not finite lies in no texel. */
+TEST(nothing_is_lit_below_what_the_near_plane_cuts) {
+    static const struct {
+        bool is_spot;
+        uint32_t size; /* texels are 0.125 wide on the floor */
+        double begin, end, half_width, half_box;
+    } cases[] = {{false, 16, -0.3, 0.6, 0.3, 0.3}, {true, 32, -0.4, 0, 0.4, 0.6}};
+    soup s = {0};
+    soup_add_quad(&s, (float[]){-6, -6, 2}, (float[]){6, -6, 2}, (float[]){6, 6, 2},
+                  (float[]){-6, 6, 2});
+    soup_add_quad(&s, (float[]){-0.3f, -0.3f, 2.5f}, (float[]){1.5f, -0.3f, 5.5f},
+                  (float[]){1.5f, 0.3f, 5.5f}, (float[]){-0.3f, 0.3f, 2.5f});
+    soup_add(&s, (float[]){-1, -1, 3}, (float[]){1, -1, NAN}, (float[]){1, 1, 3});
+    shb_context *context = lists_context(1);
+    for (int i = 0; i < 4; i++) {
+        const bool is_spot = cases[i / 2].is_spot;
+        const double begin = cases[i / 2].begin, end = cases[i / 2].end;
+        const shb_view view = is_spot ? probe_perspective(false) : probe_orthographic(false);
+        shb_map *map = draw_kind(context, &view, cases[i / 2].size, soup_scene(&s), i % 2);
+        for (int at = 0; at < 31 * 31; at++) {
+            const double limit = is_spot ? 1.9 : 0.95;
+            const double x = limit * (at % 31 - 15) / 15, y = limit * (at / 31 - 15) / 15;
+            const float position[3] = {(float)x, (float)y, 2};
+            uint8_t answer;
+            const shb_points point = {.count = 1, .positions = position};
+            CHECK_INT(shb_map_classify(map, &point, &answer), SHB_OK);
+            if (x > begin && x < end && fabs(y) < cases[i / 2].half_width)
+                CHECK(answer != SHB_LIGHT_LIT);
+            else if (x < begin - 0.25 || x > end + 0.25 || fabs(y) > cases[i / 2].half_box + 0.25)
+                CHECK_INT(answer, SHB_LIGHT_LIT);
+        }
+        shb_map_destroy(map);
+    }
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
 /* Vertices that move in place make another scene. */
 TEST(a_scene_that_changes_in_place_is_seen_anew) {
     soup s = {0};
