@@ -243,19 +243,8 @@ static bool read_options(int argc, char **argv, soft_options *options, int *exit
         {"--size", "WxH", "of the pictures (352x264)", ARGUMENT_SIZE, options->size, 8, 2048},
         {"--help", NULL, "print this", ARGUMENT_FLAG, &options->help, 0, 0},
     };
-    const size_t count = sizeof arguments / sizeof *arguments;
-    char error[256];
-    *exit_code = TOOL_USAGE;
-    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
-        fprintf(stderr, "soft: %s\n", error);
-        return false;
-    }
-    if (!options->help)
-        return true;
-    printf("usage: soft [OUTDIR] [OPTIONS]\n");
-    arguments_print(stdout, arguments, count);
-    *exit_code = TOOL_OK;
-    return false;
+    return arguments_read(argc, argv, "soft [OUTDIR] [OPTIONS]", arguments,
+                          sizeof arguments / sizeof *arguments, NULL, exit_code);
 }
 
 int main(int argc, char **argv) {

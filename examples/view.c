@@ -263,19 +263,8 @@ static bool read_options(int argc, char **argv, view_options *options, int *exit
         {"--list", NULL, "print methods, filters and scenes", ARGUMENT_FLAG, &options->list, 0, 0},
         {"--help", NULL, "print this", ARGUMENT_FLAG, &options->help, 0, 0},
     };
-    const size_t count = sizeof arguments / sizeof *arguments;
-    char error[256];
-    *exit_code = TOOL_USAGE;
-    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
-        fprintf(stderr, "view: %s\n", error);
-        return false;
-    }
-    if (!options->help)
-        return true;
-    printf("usage: view [SCENE] [OPTIONS]\n");
-    arguments_print(stdout, arguments, count);
-    *exit_code = TOOL_OK;
-    return false;
+    return arguments_read(argc, argv, "view [SCENE] [OPTIONS]", arguments,
+                          sizeof arguments / sizeof *arguments, NULL, exit_code);
 }
 
 int main(int argc, char **argv) {

@@ -21,7 +21,7 @@ typedef struct report_command {
     bool help;
 } report_command;
 
-static bool read_command(int argc, char **argv, report_command *command) {
+static bool read_command(int argc, char **argv, report_command *command, int *exit_code) {
     report_options *options = &command->options;
     const argument_spec arguments[] = {
         {NULL, "SCENE.obj ...", "scenes to measure; none: built-in ones and those of --meshes",
@@ -29,39 +29,31 @@ static bool read_command(int argc, char **argv, report_command *command) {
         {"--quick", NULL, "few scenes, small pictures, two map sizes", ARGUMENT_FLAG,
          &options->quick, 0, 0},
         {"--fresh", NULL, "measure everything anew", ARGUMENT_FLAG, &options->fresh, 0, 0},
-        {"--out", "DIR", "directory of the report; default build/out/report", ARGUMENT_TEXT,
+        {"--out", "DIR", "directory of the report (build/out/report)", ARGUMENT_TEXT,
          &options->directory, 0, 0},
-        {"--meshes", "DIR", "directory of further OBJ files; default ../shared/scenes",
-         ARGUMENT_TEXT, &options->meshes, 0, 0},
+        {"--meshes", "DIR", "directory of further OBJ files (../shared/scenes)", ARGUMENT_TEXT,
+         &options->meshes, 0, 0},
         {"--tune", "SCENE", "print the smallest constants of every method for one scene",
          ARGUMENT_TEXT, &command->tuned, 0, 0},
-        {"--limit", "PPM", "of false shadow, for them; default 100", ARGUMENT_COUNT,
-         &options->limit_ppm, 0, 1000000},
-        {"--tune-map", "N", "size of the map that they are for; default 1024", ARGUMENT_COUNT,
+        {"--limit", "PPM", "of false shadow, for them (100)", ARGUMENT_COUNT, &options->limit_ppm,
+         0, 1000000},
+        {"--tune-map", "N", "size of the map that they are for (1024)", ARGUMENT_COUNT,
          &options->tuned_size, 8, 16384},
         {"--peers", "FILE", "what make peers printed, for report.tsv and the page", ARGUMENT_TEXT,
          &command->peers, 0, 0},
         {"--readme", "FILE", "Markdown file that takes the report in brief between its marks",
          ARGUMENT_TEXT, &command->readme, 0, 0},
-        {"--figures", "DIR", "directory of the figures of that; default examples/report",
-         ARGUMENT_TEXT, &command->figures, 0, 0},
-        {"--threads", "N", "threads; default: all", ARGUMENT_COUNT, &options->threads, 1, 256},
-        {"--help", NULL, "this text", ARGUMENT_FLAG, &command->help, 0, 0},
+        {"--figures", "DIR", "directory of the figures of that (examples/report)", ARGUMENT_TEXT,
+         &command->figures, 0, 0},
+        {"--threads", "N", "threads (all)", ARGUMENT_COUNT, &options->threads, 1, 256},
+        {"--help", NULL, "print this", ARGUMENT_FLAG, &command->help, 0, 0},
     };
-    const size_t count = sizeof arguments / sizeof *arguments;
-    char error[256];
-    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
-        fprintf(stderr, "report: %s\n", error);
-        return false;
-    }
-    if (command->help) {
-        printf("usage: report [OPTIONS] [SCENE.obj ...]\n");
-        arguments_print(stdout, arguments, count);
-        printf("A run may be stopped: started again with the same options on the same machine, it\n"
-               "keeps the rows of report.tsv and measures those that are missing. Rows older than\n"
-               "the program do not count.\n");
-    }
-    return true;
+    static const char notes[] =
+        "A run may be stopped: started again with the same options on the same machine, it\n"
+        "keeps the rows of report.tsv and measures those that are missing. Rows older than\n"
+        "the program do not count.\n";
+    return arguments_read(argc, argv, "report [OPTIONS] [SCENE.obj ...]", arguments,
+                          sizeof arguments / sizeof *arguments, notes, exit_code);
 }
 
 static bool write_page(const report_options *options, const char *settings, const report_rows *rows,
@@ -149,10 +141,9 @@ int main(int argc, char **argv) {
                               .options = {.directory = "build/out/report",
                                           .meshes = "../shared/scenes",
                                           .limit_ppm = 100}};
-    if (!read_command(argc, argv, &command))
-        return TOOL_USAGE;
-    if (command.help)
-        return TOOL_OK;
+    int exit_code;
+    if (!read_command(argc, argv, &command, &exit_code))
+        return exit_code;
     make_directories(command.options.directory);
     shb_context *context = tool_create_context("report", command.options.threads, SHB_ISA_BEST);
     const bool done =

@@ -1,7 +1,10 @@
 #include "arguments.h"
 
+#include "tool.h"
+
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -124,12 +127,31 @@ bool arguments_parse(int argc, char **argv, const argument_spec *arguments, size
     return true;
 }
 
-void arguments_print(FILE *stream, const argument_spec *arguments, size_t count) {
+static void print_help(const char *usage, const argument_spec *arguments, size_t count,
+                       const char *notes) {
+    printf("usage: %s\n", usage);
     for (size_t i = 0; i < count; i++) {
         char left[64];
         snprintf(left, sizeof left, "%s%s%s", arguments[i].name ? arguments[i].name : "",
                  arguments[i].name && arguments[i].value ? " " : "",
                  arguments[i].value ? arguments[i].value : "");
-        fprintf(stream, "  %-26s %s\n", left, arguments[i].help);
+        printf("  %-26s %s\n", left, arguments[i].help);
     }
+    printf("%s", notes ? notes : "");
+}
+
+bool arguments_read(int argc, char **argv, const char *usage, const argument_spec *arguments,
+                    size_t count, const char *notes, int *exit_code) {
+    const argument_spec *help = find_argument(arguments, count, "--help", strlen("--help"));
+    char error[512];
+    *exit_code = TOOL_USAGE;
+    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
+        fprintf(stderr, "%.*s: %s\n", (int)strcspn(usage, " "), usage, error);
+        return false;
+    }
+    if (!*(const bool *)help->target)
+        return true;
+    print_help(usage, arguments, count, notes);
+    *exit_code = TOOL_OK;
+    return false;
 }

@@ -5,7 +5,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 
 typedef enum argument_kind {
     ARGUMENT_FLAG,  /* target: bool */
@@ -29,7 +28,10 @@ typedef struct argument_spec {
 bool arguments_parse(int argc, char **argv, const argument_spec *arguments, size_t count,
                      char *error, size_t error_size);
 
-/* One line an argument. */
-void arguments_print(FILE *stream, const argument_spec *arguments, size_t count);
+/* The beginning of a main: parses, and prints what is wrong or, if the flag "--help" was given, the
+ * help: usage, which begins with the program's name, a line for each argument, and notes unless
+ * they are NULL. False: the program is to end with *exit_code. */
+bool arguments_read(int argc, char **argv, const char *usage, const argument_spec *arguments,
+                    size_t count, const char *notes, int *exit_code);
 
 #endif

@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char help[] =
+/* Below the list of options. */
+static const char notes[] =
     "\n"
     "stages, and what their time is divided by:\n"
     "  depth        closest depth as the light sees it         triangle\n"
@@ -87,20 +88,10 @@ bool options_read(int argc, char **argv, bench_options *options, int *exit_code)
          0, 0},
         {"--help", NULL, "print this", ARGUMENT_FLAG, &options->help, 0, 0},
     };
-    const size_t count = sizeof arguments / sizeof *arguments;
-    char error[256];
+    if (!arguments_read(argc, argv, "bench [OPTIONS]", arguments,
+                        sizeof arguments / sizeof *arguments, notes, exit_code))
+        return false;
     *exit_code = TOOL_USAGE;
-    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
-        fprintf(stderr, "bench: %s\n", error);
-        return false;
-    }
-    if (options->help) {
-        printf("usage: bench [OPTIONS]\n");
-        arguments_print(stdout, arguments, count);
-        fputs(help, stdout);
-        *exit_code = TOOL_OK;
-        return false;
-    }
     return check_names(options);
 }
 

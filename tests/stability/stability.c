@@ -73,37 +73,33 @@ static int run(const stability_options *options) {
     return done && fflush(stdout) == 0 ? TOOL_OK : TOOL_FAILED;
 }
 
-int main(int argc, char **argv) {
-    stability_options options = {0};
+static bool read_options(int argc, char **argv, stability_options *options, int *exit_code) {
     bool help = false;
     const argument_spec arguments[] = {
-        {"--quick", NULL, "few cases, small frames", ARGUMENT_FLAG, &options.quick, 0, 0},
-        {"--method", "NAME", "only this bias method", ARGUMENT_TEXT, &options.method, 0, 0},
-        {"--case", "NAME", "only this case", ARGUMENT_TEXT, &options.subject, 0, 0},
+        {"--quick", NULL, "few cases, small frames", ARGUMENT_FLAG, &options->quick, 0, 0},
+        {"--method", "NAME", "only this bias method", ARGUMENT_TEXT, &options->method, 0, 0},
+        {"--case", "NAME", "only this case", ARGUMENT_TEXT, &options->subject, 0, 0},
         {"--box", "N", "judge pcf over N x N texels, away from silhouettes in all of them",
-         ARGUMENT_COUNT, &options.box, 1, 63},
+         ARGUMENT_COUNT, &options->box, 1, 63},
         {"--size", "N", "texels on a side of maps where the case is not about it (1024)",
-         ARGUMENT_COUNT, &options.map_size, 1, 16384},
+         ARGUMENT_COUNT, &options->map_size, 1, 16384},
         {"--named", NULL, "name fragments by triangle and weights, not by rounded positions",
-         ARGUMENT_FLAG, &options.named, 0, 0},
-        {"--tsv", NULL, "print every row, tab-separated", ARGUMENT_FLAG, &options.tsv, 0, 0},
+         ARGUMENT_FLAG, &options->named, 0, 0},
+        {"--tsv", NULL, "print every row, tab-separated", ARGUMENT_FLAG, &options->tsv, 0, 0},
         {"--out", "DIR", "write stability.tsv, certain.tsv, heat.ppm and heat.svg", ARGUMENT_TEXT,
-         &options.directory, 0, 0},
+         &options->directory, 0, 0},
         {"--help", NULL, "print this", ARGUMENT_FLAG, &help, 0, 0},
     };
-    const size_t count = sizeof arguments / sizeof *arguments;
-    char error[256];
-    if (!arguments_parse(argc, argv, arguments, count, error, sizeof error)) {
-        fprintf(stderr, "stability: %s\n", error);
-        return TOOL_USAGE;
-    }
-    if (help) {
-        printf("usage: stability [options]\n");
-        arguments_print(stdout, arguments, count);
-        return TOOL_OK;
-    }
-    if ((options.method && !find_method(options.method)) ||
-        (options.subject && !find_case(options.subject)))
-        return TOOL_USAGE;
-    return run(&options);
+    if (!arguments_read(argc, argv, "stability [OPTIONS]", arguments,
+                        sizeof arguments / sizeof *arguments, NULL, exit_code))
+        return false;
+    *exit_code = TOOL_USAGE;
+    return (!options->method || find_method(options->method)) &&
+           (!options->subject || find_case(options->subject));
+}
+
+int main(int argc, char **argv) {
+    stability_options options = {0};
+    int exit_code;
+    return read_options(argc, argv, &options, &exit_code) ? run(&options) : exit_code;
 }

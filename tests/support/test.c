@@ -48,8 +48,13 @@ static double seconds_now(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Arguments: parts of test or file names to run; -v lists every test with its time. */
 int main(int argc, char **argv) {
+    if (argc > 1 && strcmp(argv[1], "--help") == 0) {
+        printf("usage: check [-v] [PART ...]\n"
+               "Runs the tests whose own or whose file's name has one of the parts in it; all\n"
+               "without any. -v prints every test with its time.\n");
+        return 0;
+    }
     bool verbose = argc > 1 && strcmp(argv[1], "-v") == 0;
     if (verbose) {
         argv++;
