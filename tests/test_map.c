@@ -236,6 +236,36 @@ TEST(a_wrapped_map_borrows_the_hosts_array) {
     close_context(&host);
 }
 
+/* A plate over the upper rows of a map, which are the lower ones of an array from the bottom up. */
+TEST(an_array_from_the_bottom_up_fits_a_view_whose_y_is_negated) {
+    setting host;
+    open_context(&host);
+    shb_map_desc desc = plain_desc();
+    float texels[10 * 20], upside_down[10 * 20], visibility[2][4];
+    for (int i = 0; i < 10 * 20; i++) {
+        texels[i] = i < 4 * 20 ? 0.25f : 1;
+        upside_down[(9 - i / 20) * 20 + i % 20] = texels[i];
+    }
+    const float positions[] = {0, 0.9f, 0, 0, 0.3f, 0, 0, 0.1f, 0, 0, -0.9f, 0};
+    const float normals[] = {0.6f, 0, 0.8f, 0.6f, 0, 0.8f, 0, 0.6f, 0.8f, 0, -0.6f, 0.8f};
+    const shb_points points = {.count = 4, .positions = positions, .normals = normals};
+    const shb_bias bias = shb_bias_adaptive(1e-4f, 0);
+    for (int k = 0; k < 2; k++) {
+        shb_map *map;
+        CHECK_INT(shb_map_wrap(host.context, &desc, k ? upside_down : texels, 0, NULL, &map),
+                  SHB_OK);
+        CHECK(shb_map_get_info(map)->light.position.z == 1);
+        CHECK_INT(shb_map_visibility(map, &points, &bias, NULL, visibility[k]), SHB_OK);
+        shb_map_destroy(map);
+        for (int column = 0; column < 4; column++)
+            desc.view.clip_from_world.m[4 * column + 1] *= -1;
+    }
+    const float expected[4] = {0, 0, 1, 1};
+    CHECK(memcmp(visibility[0], expected, sizeof expected) == 0);
+    CHECK(memcmp(visibility[1], expected, sizeof expected) == 0);
+    close_context(&host);
+}
+
 static double wrapped_scale(setting *host, shb_view view, double given) {
     const shb_map_desc desc = {.view = view, .width = 4, .scene_scale = given};
     shb_map *map;

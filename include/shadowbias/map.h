@@ -36,11 +36,12 @@ shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_ma
 
 /* Makes a map around depths that the host made (rasterized, or read back from a GPU) with the same
  * view, size and format, top row first. texels is borrowed, and read whenever the map is asked;
- * stride in bytes, 0: rows without gaps. holds: the method whose combine stage or culling the host
- * applied; NULL: the texels are the nearest depths. Further errors: SHB_ERROR_ARGUMENT if texels or
- * stride is not aligned to the texel's size or the stride is below a row, SHB_ERROR_SIZE if it
- * overflows, SHB_ERROR_UNSUPPORTED if desc.occluders or desc.classifies is set, for which depths
- * alone do not suffice. */
+ * stride in bytes, 0: rows without gaps. Depths from the bottom row up, as OpenGL reads them back,
+ * fit a view whose matrix has its row y negated. holds: the method whose combine stage or culling
+ * the host applied; NULL: the texels are the nearest depths. Further errors: SHB_ERROR_ARGUMENT if
+ * texels or stride is not aligned to the texel's size or the stride is below a row, SHB_ERROR_SIZE
+ * if it overflows, SHB_ERROR_UNSUPPORTED if desc.occluders or desc.classifies is set, for which
+ * depths alone do not suffice. */
 shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const void *texels,
                         size_t stride, const shb_bias *holds, shb_map **map);
 
