@@ -57,8 +57,7 @@ static shb_mat4 move_view(const shb_mat4 *view, const shb_light_source *from,
 }
 
 static shb_vec3 point_at(const shb_points *points, size_t index) {
-    const float *p = shb_triple_at(points->positions, points->position_stride, index);
-    return (shb_vec3){(double)p[0], (double)p[1], (double)p[2]};
+    return vec3_from_floats(shb_triple_at(points->positions, points->position_stride, index));
 }
 
 static void find_in_sight(query *q) {

@@ -5,7 +5,6 @@
 #include "kernels/raster.h"
 #include "scene.h"
 #include "starts.h"
-#include "vector.h"
 
 #include <math.h>
 
@@ -26,8 +25,7 @@ static void grow_by_triangle(const shb_mesh *mesh, uint32_t triangle, shb_box *b
     uint32_t vertices[3];
     shb_mesh_triangle(mesh, triangle, vertices);
     for (int k = 0; k < 3; k++) {
-        const float *p = shb_mesh_position(mesh, vertices[k]);
-        const shb_vec3 corner = {(double)p[0], (double)p[1], (double)p[2]};
+        const shb_vec3 corner = shb_mesh_point(mesh, vertices[k]);
         if (vec3_is_finite(corner))
             box_grow(box, corner);
     }

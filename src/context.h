@@ -2,6 +2,8 @@
 #ifndef SRC_CONTEXT_H
 #define SRC_CONTEXT_H
 
+#include "lists_scratch.h"
+#include "scratch.h"
 #include "shadowbias/context.h"
 
 /* Memory that grows and is kept, so that a warm context allocates nothing. */
@@ -23,11 +25,11 @@ struct shb_context {
     shb_isa isa;
     const struct shb_kernels *kernels; /* of the instruction set; NULL: scalar code */
     const struct shb_shade_kernels *shade_kernels;
-    shb_buffer draw_scratch[19];    /* drawing's own, named in scratch.h */
-    shb_buffer map_scratch[4];      /* layers that a map combines */
-    shb_buffer occluder_scratch[3]; /* occluders of a map, named in map.h */
-    shb_buffer list_scratch[18];    /* building lists, named in lists_scratch.h */
-    shb_buffer sheet_scratch[6];    /* finding sheets, named in sheets_bin.h */
+    shb_buffer draw_scratch[SHB_SCRATCH_BUFFERS];
+    shb_buffer map_scratch[2];      /* the layers that a map combines */
+    shb_buffer occluder_scratch[3]; /* named in map.h */
+    shb_buffer list_scratch[SHB_LIST_BUFFERS];
+    shb_buffer sheet_scratch[6]; /* named in sheets_bin.h */
 };
 
 /* The C library's memory. */

@@ -4,7 +4,6 @@
 
 #include "clusters.h"
 #include "matrix.h"
-#include "vector.h"
 
 static bool is_all_zero(const shb_mat4 *a) {
     for (int i = 0; i < 16; i++)
@@ -142,11 +141,6 @@ uint64_t shb_scene_triangle_count(const shb_scene *scene) {
     return count;
 }
 
-static shb_vec3 world_position(const shb_mesh *mesh, const shb_mat4 *transform, uint32_t vertex) {
-    const float *p = shb_mesh_position(mesh, vertex);
-    return mat4_transform_point(transform, (shb_vec3){(double)p[0], (double)p[1], (double)p[2]});
-}
-
 size_t shb_scene_instance_of(const shb_scene *scene, uint32_t id, uint32_t *first) {
     size_t instance = 0;
     *first = 0;
@@ -169,6 +163,6 @@ shb_result shb_scene_triangle(const shb_scene *scene, uint32_t id, shb_vec3 corn
         return SHB_ERROR_ARGUMENT;
     const shb_mat4 transform = shb_instance_transform(instance);
     for (int i = 0; i < 3; i++)
-        corners[i] = world_position(instance->mesh, &transform, vertices[i]);
+        corners[i] = mat4_transform_point(&transform, shb_mesh_point(instance->mesh, vertices[i]));
     return SHB_OK;
 }

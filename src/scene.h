@@ -4,6 +4,7 @@
 
 #include "shadowbias/scene.h"
 #include "triples.h"
+#include "vector.h"
 
 /* The instance's transform with all zeros read as the identity. */
 shb_mat4 shb_instance_transform(const shb_instance *instance);
@@ -37,6 +38,11 @@ static inline void shb_mesh_triangle(const shb_mesh *mesh, uint32_t triangle,
 /* Position of a vertex. */
 static inline const float *shb_mesh_position(const shb_mesh *mesh, uint32_t vertex) {
     return shb_triple_at(mesh->positions, mesh->position_stride, vertex);
+}
+
+/* The same in double. */
+static inline shb_vec3 shb_mesh_point(const shb_mesh *mesh, uint32_t vertex) {
+    return vec3_from_floats(shb_mesh_position(mesh, vertex));
 }
 
 /* Normal of a vertex; the mesh must have normals. */

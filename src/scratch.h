@@ -21,7 +21,8 @@ enum {
     SHB_SCRATCH_SEEN,         /* how many clusters each task kept */
     SHB_SCRATCH_SORTED,       /* clusters by depth */
     SHB_SCRATCH_CLUSTER_ENDS, /* end of each row's list of clusters */
-    SHB_SCRATCH_CLUSTER_ROWS  /* the lists of all rows of tiles */
+    SHB_SCRATCH_CLUSTER_ROWS, /* the lists of all rows of tiles */
+    SHB_SCRATCH_BUFFERS
 };
 
 #endif

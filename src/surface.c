@@ -13,11 +13,6 @@
 #include "surface.h"
 
 #include "scene.h"
-#include "vector.h"
-
-static shb_vec3 from_floats(const float *v) {
-    return (shb_vec3){(double)v[0], (double)v[1], (double)v[2]};
-}
 
 /* Rows x, y and w of a matrix times (v, v_w). */
 static shb_vec3 clip_xyw(const shb_mat4 *a, shb_vec3 v, double v_w) {
@@ -62,7 +57,7 @@ static void prepare_shading(const shb_surface_instance *instance, const uint32_t
     for (int k = 0; k < 3; k++)
         triangle->shading[k] =
             mesh->normals ? transform_normal(instance->normal_columns,
-                                             from_floats(shb_mesh_normal(mesh, vertices[k])))
+                                             vec3_from_floats(shb_mesh_normal(mesh, vertices[k])))
                           : (shb_vec3){0};
 }
 
@@ -99,8 +94,7 @@ bool shb_surface_prepare_of(const shb_surface_instance *instance, const shb_view
     for (int k = 0; k < 3; k++) {
         if (vertices[k] >= mesh->vertex_count)
             return false;
-        const shb_vec3 position = from_floats(shb_mesh_position(mesh, vertices[k]));
-        corners[k] = mat4_transform_point(&instance->transform, position);
+        corners[k] = mat4_transform_point(&instance->transform, shb_mesh_point(mesh, vertices[k]));
         if (!vec3_is_finite(corners[k]))
             return false;
     }

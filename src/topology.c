@@ -96,9 +96,8 @@ static void weld_instance(weld_table *table, const shb_instance *instance, uint3
         for (int k = 0; k < 3; k++) {
             uint32_t *welded = &table->welded[vertices[k]];
             if (*welded == SHB_ID_NONE) {
-                const float *p = shb_mesh_position(mesh, vertices[k]);
-                const shb_vec3 local = {(double)p[0], (double)p[1], (double)p[2]};
-                *welded = weld(table, shb_mat4_transform_point(transform, local));
+                const shb_vec3 point = shb_mesh_point(mesh, vertices[k]);
+                *welded = weld(table, mat4_transform_point(&transform, point));
             }
             corners[t][k] = *welded;
         }

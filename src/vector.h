@@ -6,6 +6,10 @@
 
 #include "shadowbias/math.h"
 
+static inline shb_vec3 vec3_from_floats(const float *v) {
+    return (shb_vec3){(double)v[0], (double)v[1], (double)v[2]};
+}
+
 static inline shb_vec3 vec3_add(shb_vec3 a, shb_vec3 b) {
     return (shb_vec3){a.x + b.x, a.y + b.y, a.z + b.z};
 }

@@ -4,16 +4,13 @@
 #include "reference.h"
 
 #include "../scene.h"
-#include "../vector.h"
 
 static bool load_triangle(const shb_mesh *mesh, const shb_mat4 *transform, uint32_t number,
                           shb_triangle *triangle) {
     uint32_t vertices[3];
     shb_mesh_triangle(mesh, number, vertices);
     for (int k = 0; k < 3; k++) {
-        const float *p = shb_mesh_position(mesh, vertices[k]);
-        const shb_vec3 position = {(double)p[0], (double)p[1], (double)p[2]};
-        const shb_vec3 world = shb_mat4_transform_point(*transform, position);
+        const shb_vec3 world = mat4_transform_point(transform, shb_mesh_point(mesh, vertices[k]));
         if (!vec3_is_finite(world))
             return false;
         triangle->corners[k][0] = world.x;
