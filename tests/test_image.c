@@ -10,26 +10,25 @@
 
 static uint8_t pixels[] = {1, 2, 3, 4, 5, 6, 70, 71, 7, 8, 9, 0, 10, 255, 72, 73};
 
-TEST(ppm_has_a_header_and_rows_from_the_top) {
-    const scratch_path path = scratch_name("rows.ppm");
-    const shb_image image = {pixels, 2, 2, 0};
+/* Writes pixels of 2 x 2 with this stride, and compares the file. */
+static void check_file(const char *name, size_t stride, const char *expected, size_t size) {
+    const scratch_path path = scratch_name(name);
+    const shb_image image = {pixels, 2, 2, stride};
     char bytes[64];
     CHECK_INT(shb_image_write_ppm(&image, path.text), SHB_OK);
-    const char expected[] = "P6\n2 2\n255\n\1\2\3\4\5\6\106\107\7\10\11\0";
-    CHECK_INT(scratch_read(path.text, bytes, sizeof(bytes)), sizeof(expected) - 1);
-    CHECK(memcmp(bytes, expected, sizeof(expected) - 1) == 0);
+    CHECK_INT(scratch_read(path.text, bytes, sizeof bytes), size);
+    CHECK(memcmp(bytes, expected, size) == 0);
     remove(path.text);
 }
 
+TEST(ppm_has_a_header_and_rows_from_the_top) {
+    const char expected[] = "P6\n2 2\n255\n\1\2\3\4\5\6\106\107\7\10\11\0";
+    check_file("rows.ppm", 0, expected, sizeof expected - 1);
+}
+
 TEST(ppm_leaves_out_the_padding_of_rows) {
-    const scratch_path path = scratch_name("padding.ppm");
-    const shb_image image = {pixels, 2, 2, 8};
-    char bytes[64];
-    CHECK_INT(shb_image_write_ppm(&image, path.text), SHB_OK);
     const char expected[] = "P6\n2 2\n255\n\1\2\3\4\5\6\7\10\11\0\12\377";
-    CHECK_INT(scratch_read(path.text, bytes, sizeof(bytes)), sizeof(expected) - 1);
-    CHECK(memcmp(bytes, expected, sizeof(expected) - 1) == 0);
-    remove(path.text);
+    check_file("padding.ppm", 8, expected, sizeof expected - 1);
 }
 
 TEST(ppm_refuses_bad_images_and_writes_nothing) {
