@@ -48,6 +48,26 @@ static double seconds_now(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+typedef enum test_outcome { TEST_PASSED, TEST_FAILED, TEST_SKIPPED, TEST_OUTCOMES } test_outcome;
+
+/* Says what is wrong or left out; if verbose, that it is right. */
+static test_outcome run(const test_case *test, bool verbose) {
+    checks = failures = 0;
+    skip_reason = NULL;
+    const double start = seconds_now();
+    test->run();
+    if (checks == 0 && !skip_reason)
+        test_check(false, test->file, 0, "checks nothing");
+    if (failures)
+        printf("FAILED %s (%s): %u of %u checks\n", test->name, test->file, failures, checks);
+    else if (skip_reason)
+        printf("skipped %s: %s\n", test->name, skip_reason);
+    else if (verbose)
+        printf("ok %s (%.2f s, %u checks)\n", test->name, seconds_now() - start, checks);
+    fflush(stdout);
+    return failures ? TEST_FAILED : skip_reason ? TEST_SKIPPED : TEST_PASSED;
+}
+
 int main(int argc, char **argv) {
     if (argc > 1 && strcmp(argv[1], "--help") == 0) {
         printf("usage: check [-v] [PART ...]\n"
@@ -55,35 +75,14 @@ int main(int argc, char **argv) {
                "without any. -v prints every test with its time.\n");
         return 0;
     }
-    bool verbose = argc > 1 && strcmp(argv[1], "-v") == 0;
-    if (verbose) {
-        argv++;
-        argc--;
-    }
-    unsigned passed = 0, failed = 0, skipped = 0;
-    for (test_case *test = first_test; test; test = test->next) {
-        if (!is_wanted(test, argc, argv))
-            continue;
-        checks = failures = 0;
-        skip_reason = NULL;
-        const double start = seconds_now();
-        test->run();
-        if (checks == 0 && !skip_reason)
-            test_check(false, test->file, 0, "checks nothing");
-        if (failures)
-            printf("FAILED %s (%s): %u of %u checks\n", test->name, test->file, failures, checks);
-        else if (skip_reason)
-            printf("skipped %s: %s\n", test->name, skip_reason);
-        else if (verbose)
-            printf("ok %s (%.2f s, %u checks)\n", test->name, seconds_now() - start, checks);
-        failed += failures != 0;
-        skipped += !failures && skip_reason;
-        passed += !failures && !skip_reason;
-        fflush(stdout);
-    }
-    printf("%u passed, %u failed", passed, failed);
-    if (skipped)
-        printf(", %u skipped", skipped);
+    const bool verbose = argc > 1 && strcmp(argv[1], "-v") == 0;
+    unsigned counts[TEST_OUTCOMES] = {0};
+    for (const test_case *test = first_test; test; test = test->next)
+        if (is_wanted(test, argc - verbose, argv + verbose))
+            counts[run(test, verbose)]++;
+    printf("%u passed, %u failed", counts[TEST_PASSED], counts[TEST_FAILED]);
+    if (counts[TEST_SKIPPED])
+        printf(", %u skipped", counts[TEST_SKIPPED]);
     printf("\n");
-    return failed != 0 || passed == 0;
+    return counts[TEST_FAILED] != 0 || counts[TEST_PASSED] == 0;
 }
