@@ -9,12 +9,11 @@
  * that a cluster whose box lies behind the near plane, or outside of a border of the target, holds
  * triangles alone that clipping finds there.
  *
- * Window space, for boxes before the eye: the image of a box is that of its corners. X = (x / w +
- * 1)
- * * half_width is computed with an error below half_width (E_x + r E_w) / w + 2^-30, r the largest
- * |x / w|, E the clip coordinates' errors. If that exceeds 2^-12 pixels the cluster is only given
- * to the kernels as it is. Snapping adds 2^-9: all in all a corner lies within D = 2^-9 + 1.125 *
- * 2^-12 pixels of where it should.
+ * Window space, for boxes before the eye: the image of a box is that of its corners. The window
+ * coordinate X = half_width (x / w + 1) is computed with an error below half_width (E_x + r E_w) /
+ * w + 2^-30, r the largest |x / w|, E the clip coordinates' errors. If that exceeds 2^-12 pixels
+ * the cluster is only given to the kernels as it is. Snapping adds 2^-9: all in all a corner lies
+ * within D = 2^-9 + 1.125 * 2^-12 pixels of where it should.
  *
  * Facing. The window area (doubled) of a triangle is A = -half_width half_height F / (w0 w1 w2), F
  * = N . e - e_w (N . P0), N the normal (its length is twice the area), P0 a corner, (e, e_w) the
@@ -26,12 +25,11 @@
  *
  *     h half_width half_height c / w^3 > 4.25 D g + 8 D^2 / h                               (1)
  *
- * c: with v = e - e_w P and |v_i| >= |v_j| >= |v_k|, v is a sum of three directions, of their
- * signs:
- * (|v_i| - |v_j|) (one in i) + (|v_j| - |v_k|) (one in i and j) + |v_k| (one in all), and n . v is
- * no more than the sum of the largest products of normals with these. From the centre of the
- * cluster's box to P, v changes by at most |e_w| R, R half the diagonal, and n . v by no more. Sums
- * are right to 2^-17 |v|, and e and e_w to 2^-50 of the sum of sizes of their products.
+ * c: with v = e - e_w P and |v_i| >= |v_j| >= |v_k|, v is a sum of three directions with its signs,
+ *     (|v_i| - |v_j|) (one in i) + (|v_j| - |v_k|) (one in i and j) + |v_k| (one in all),
+ * and n . v is no more than the sum of the largest products of normals with these. From the centre
+ * of the cluster's box to P, v changes by at most |e_w| R, R half the diagonal, and n . v by no
+ * more. Sums are right to 2^-17 |v|, and e and e_w to 2^-50 of the sum of sizes of their products.
  *
  * Depth. Let the corners' depths, as computed, lie in lo .. hi. Careful samples do, too (plane.h).
  * A plain one is within 5 * 2^-24 |z| of the depth z of the triangle's plane at a place at most

@@ -24,9 +24,8 @@ bool report_is_mean(const report_row *row);
 bool report_share_pair(const report_row *a, const report_row *b);
 
 /* Adds for each filter, method and map size that every scene and light of its kind has one row of
- * means: times
- * are geometric means, everything else arithmetic ones over the rows that have it. False: out of
- * memory. */
+ * means: times are geometric means, everything else arithmetic ones over the rows that have it.
+ * False: out of memory. */
 bool report_add_means(report_rows *rows);
 
 /* Whether a row is on the Pareto front of its scene, light and kind (hard or soft): none of the
