@@ -26,8 +26,7 @@ typedef struct shb_corner_errors {
  * ones. */
 typedef struct shb_draw_instance {
     const shb_mesh *mesh;
-    const shb_clusters
-        *clusters; /* of the mesh, if they are what is drawn: it has no vertices then */
+    const shb_clusters *clusters; /* drawn in place of the mesh's vertices; NULL: none */
     shb_mat4 world_from_mesh, clip_from_mesh;
     bool moves;                      /* the mesh is not in the world as it is */
     bool affine;                     /* w is 1 */

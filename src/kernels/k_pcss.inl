@@ -13,10 +13,9 @@ typedef struct pcss_lanes {
     vf to_center_x, to_center_y;
     vf depth; /* not beyond the far plane */
     vf ref, step_x, step_y;
-    vf cosine, sine; /* of the disk's turn */
-    mutual_batch
-        *mutual; /* of the exact method, else NULL; these are its fragments from first on */
-    size_t first;
+    vf cosine, sine;      /* of the disk's turn */
+    mutual_batch *mutual; /* of the exact method; else NULL */
+    size_t first;         /* the number of the first of these in it */
 } pcss_lanes;
 
 /* What stands in front of the receiver plane, as the sum of taps and of their depths. */
