@@ -16,6 +16,8 @@ static void locate_points(const shb_list_frame *frame, shb_list_group *restrict 
                          (fabs(depth) < HUGE_VAL);
         g->x[i] = x;
         g->y[i] = y;
+        g->about_x[i] = (float)x;
+        g->about_y[i] = (float)y;
         g->depth[i] = depth;
         g->inverse_w[i] = inverse;
         g->scale[i] = size > f.reach ? size / f.reach : 1;
@@ -84,20 +86,19 @@ static size_t keep_covered(const shb_list_triangle *triangles, const shb_list_gr
         fetch_asked(triangles, questions, i + LIST_ASK_AHEAD, count);
         shb_list_question q = questions[i];
         const shb_list_triangle *t = &triangles[q.triangle];
-        const wd margin = wd_splat(2 * (double)t->margin);
-        uint32_t outside = 0, inside = 0;
-        for (int lane = 0; lane < SHB_LIST_RUN; lane += DOUBLES) {
-            const wd x = wd_load(g->x + q.first + lane), y = wd_load(g->y + q.first + lane);
-            const wd u = (wd_splat((double)t->u[0]) * x + wd_splat((double)t->u[1]) * y) +
-                         wd_splat((double)t->u[2]);
-            const wd v = (wd_splat((double)t->v[0]) * x + wd_splat((double)t->v[1]) * y) +
-                         wd_splat((double)t->v[2]);
-            const wd w = (wd_splat((double)t->rest) - u) - v;
-            const wd least = wd_min(wd_min(u, v), w);
-            outside |= wd_greater_bits(wd_splat(0), least) << lane;
-            inside |= wd_greater_bits(least, margin) << lane;
+        const float margin = 2 * t->margin;
+        uint32_t covered = 0, inside = 0;
+        for (int lane = 0; lane < SHB_LIST_RUN; lane += WIDE) {
+            const vf x = vf_load(g->about_x + q.first + lane);
+            const vf y = vf_load(g->about_y + q.first + lane);
+            const vf u = (t->u[0] * x + t->u[1] * y) + t->u[2];
+            const vf v = (t->v[0] * x + t->v[1] * y) + t->v[2];
+            const vf least = vf_min(vf_min(u, v), (t->rest - u) - v);
+            const vm covers = vm_not_above(vf_splat(0), least);
+            covered |= vm_bits(covers) << lane;
+            inside |= vm_bits(vm_below(covers, vf_splat(margin), least)) << lane;
         }
-        q.asked = (uint8_t)(q.asked & ~outside);
+        q.asked = (uint8_t)(q.asked & covered);
         q.doubt = (uint8_t)inside;
         questions[kept] = q;
         kept += q.asked != 0;

@@ -22,7 +22,6 @@
  * closely, and triangles whose outline is not known, leave a number that nothing takes away. */
 
 #include "kept_lanes.h"
-#include "lane_masks.h"
 
 /* Where triangles are counted, in a cell's size from its corner: where no edge passes by because a
  * mesh and the map are aligned. */

@@ -6,8 +6,8 @@
  * of the triangle's box. Twice the area of the triangle is then known within 2 d L, and so is the
  * part of it that is a weight times the area at a point in or near the box. While the area is known
  * to a half, a weight is off by no more than 6 d L / area; and where the area is not known at all a
- * point inside has no weight below -6 d L / area either. Elements rounded to floats, and
- * cells that are asked in floats, add 2^-21 (1 + sum of sizes): X, Y, two products and sums each,
+ * point inside has no weight below -6 d L / area either. Elements rounded to floats, and cells and
+ * points that are asked in floats, add 2^-21 (1 + sum of sizes): X, Y, two products and sums each,
  * and the first weight is 1 less two others.
  *
  * The plane's distance at a point of weights b_k moves by sum b_k (dz + |slope x| dx + |slope y|
@@ -19,6 +19,8 @@
 
 #include "lists.h"
 #include "vectors.h"
+
+#include "lane_masks.h"
 
 enum { LIST_LANES = SHB_LIST_LANES };
 

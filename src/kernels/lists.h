@@ -113,18 +113,20 @@ typedef struct shb_list_cover {
 /* Points that ask at the same time, as the light sees them. */
 #define SHB_LIST_GROUP 64
 
+/* Points of a group that are asked about one triangle at the same time: this many from the first
+ * on, one bit each. */
+#define SHB_LIST_RUN 8
+
 typedef struct shb_list_group {
     const double *world[3];
     SHB_ALIGN double x[SHB_LIST_GROUP];
     double y[SHB_LIST_GROUP], depth[SHB_LIST_GROUP];
+    float about_x[SHB_LIST_GROUP + SHB_LIST_RUN]; /* x and y rounded, and what vectors may read */
+    float about_y[SHB_LIST_GROUP + SHB_LIST_RUN];
     double inverse_w[SHB_LIST_GROUP];
     double scale[SHB_LIST_GROUP]; /* of the triangles' bounds: above 1 outside the scene */
     int32_t column[SHB_LIST_GROUP], row[SHB_LIST_GROUP]; /* texel; column -1: not in the view */
 } shb_list_group;
-
-/* Points of a group that are asked about one triangle at the same time: this many from the first
- * on, one bit each. */
-#define SHB_LIST_RUN 8
 
 /* Points of a group that follow each other in one cell. */
 typedef struct shb_list_run {
