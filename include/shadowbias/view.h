@@ -2,7 +2,10 @@
  *
  * The matrix defines the light: its rays are the lines of equal (x / w, y / w), and its position is
  * the null vector of the rows x, y and w (a point, or a direction if that lies at infinity). So map
- * and shadow test cannot disagree on where the light is. */
+ * and shadow test cannot disagree on where the light is.
+ *
+ * A matrix of your own fits if its clip depth runs from 0 to 1: one for OpenGL's -1 .. 1 does with
+ * the mean of its rows z and w as row z. */
 #ifndef SHADOWBIAS_VIEW_H
 #define SHADOWBIAS_VIEW_H
 
