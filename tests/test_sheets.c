@@ -175,10 +175,10 @@ TEST(texels_without_an_edge_are_certain_and_twins_do_not_matter) {
     }
     shb_context *context = lists_context(1);
     const shb_view view = probe_orthographic(true);
-    shb_map *map = draw(context, &view, 16, soup_scene(&s));
+    shb_map *map = draw_kind(context, &view, 16, 32, soup_scene(&s), false);
     for (int i = 0; i < 16; i++)
         for (int height = 0; height < 2; height++) {
-            const float position[3] = {-1 + 0.125f * ((float)i + 0.3f), 0.3f, (float)height};
+            const float position[3] = {-1 + 0.125f * ((float)i + 0.3f), -0.3f, (float)height};
             uint8_t answer;
             const shb_points point = {.count = 1, .positions = position};
             CHECK_INT(shb_map_classify(map, &point, &answer), SHB_OK);
@@ -194,8 +194,8 @@ TEST(texels_without_an_edge_are_certain_and_twins_do_not_matter) {
 
 TEST(points_that_the_light_cannot_see_are_unsure) {
     soup s = {0};
-    soup_add_quad(&s, (float[]){-2, -2, 2}, (float[]){2, -2, 2}, (float[]){2, 2, 2},
-                  (float[]){-2, 2, 2});
+    soup_add_quad(&s, (float[]){-4, -4, 2}, (float[]){4, -4, 2}, (float[]){4, 4, 2},
+                  (float[]){-4, 4, 2});
     shb_context *context = lists_context(1);
     const shb_view view = probe_perspective(false);
     shb_map *map = draw(context, &view, 16, soup_scene(&s));
