@@ -164,6 +164,71 @@ TEST(a_smooth_terminator_changes_nothing_on_flat_surfaces) {
     owned_mesh_free(&built);
 }
 
+/* Counts fragments left and right of the middle, and those without the normal expected there. */
+typedef struct normals_seen {
+    int count[2], wrong[2];
+} normals_seen;
+
+static const float shading_normals[2][3] = {{-0.48f, 0.6f, 0.64f}, {0.36f, 0.48f, 0.8f}};
+
+static void see_normals(const shb_bias_args *args) {
+    normals_seen *seen = (normals_seen *)args->bias->user;
+    shb_receivers *r = args->receivers;
+    for (size_t i = 0; i < args->count; i++) {
+        const int right = r->x[i] > 0;
+        const float *n = right ? shading_normals[1] : (const float[]){0, 0, 1};
+        const float off = fabsf(r->normal_x[i] - n[0]) + fabsf(r->normal_y[i] - n[1]) +
+                          fabsf(r->normal_z[i] - n[2]);
+        seen->count[right]++;
+        seen->wrong[right] += !(off < 1e-5f);
+        r->ref[i] = r->depth[i];
+        r->step_x[i] = r->step_y[i] = 0;
+    }
+}
+
+/* Lit from (2, 0, 1): the left triangle faces the light, the right one, which falls towards -x,
+ * does not; there the surface's normal stands for the plane. */
+TEST(a_smooth_terminator_asks_by_the_plane_that_faces_the_light) {
+    static const float corners[2][3][3] = {
+        {{-0.9f, -0.5f, 0}, {-0.1f, -0.5f, 0}, {-0.5f, 0.5f, 0}},
+        {{0.2f, -0.5f, 0}, {0.5f, -0.5f, 0.4f}, {0.5f, 0.5f, 0.4f}}};
+    owned_mesh built = {0};
+    for (int i = 0; i < 6; i++)
+        owned_mesh_add_vertex(&built, corners[i / 3][i % 3], shading_normals[i / 3]);
+    owned_mesh_add_triangle(&built, 0, 1, 2);
+    owned_mesh_add_triangle(&built, 3, 4, 5);
+    const shb_mesh mesh = owned_mesh_view(&built);
+    const shb_instance instance = {.mesh = &mesh};
+    const shb_scene scene = {&instance, 1};
+    const shb_view camera = view_from((shb_vec3){0, 0, 1});
+    static uint32_t ids[FRAME * FRAME];
+    const shb_map_desc map_desc = {.view = view_from((shb_vec3){0.8, 0, 0.4}), .width = 16};
+    const shb_draw_desc draw = {
+        .view = &camera, .scene = &scene, .width = FRAME, .height = FRAME, .ids = ids};
+    shb_context *context;
+    shb_map *map;
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    CHECK_INT(shb_map_create(context, &map_desc, &map), SHB_OK);
+    CHECK_INT(shb_map_draw(map, &scene, NULL, NULL), SHB_OK);
+    CHECK_INT(shb_draw(context, &draw, NULL), SHB_OK);
+    normals_seen seen = {{0}, {0}};
+    const shb_bias bias = {.name = "normals", .depth = see_normals, .user = &seen};
+    const shb_shade_light light = {.map = map, .bias = &bias, .color = {1, 1, 1}};
+    tally ignored = {0};
+    const shb_shade_desc desc = {.frame = {&camera, &scene, FRAME, FRAME, ids, 0},
+                                 .lights = &light,
+                                 .light_count = 1,
+                                 .shade = count_dark,
+                                 .user = &ignored,
+                                 .smooth_terminator = true};
+    CHECK_INT(shb_shade(context, &desc), SHB_OK);
+    CHECK(seen.count[0] > 100 && seen.count[1] > 100);
+    CHECK_INT(seen.wrong[0] + seen.wrong[1], 0);
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+    owned_mesh_free(&built);
+}
+
 /* Fragments of the floor near the middle of its right half. */
 static void count_dark_below_the_roof(const shb_shade_args *args) {
     tally *seen = (tally *)args->user;
