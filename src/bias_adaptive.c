@@ -10,7 +10,7 @@
 #include "stages.h"
 
 void shb_adaptive_depth(const shb_bias_args *args) {
-    shb_stage_kernels(args)->adaptive(args);
+    shb_stage_kernels(args->kernels)->adaptive(args);
 }
 
 shb_bias shb_bias_adaptive(float k, float scene_scale) {
@@ -21,7 +21,7 @@ shb_bias shb_bias_adaptive(float k, float scene_scale) {
 }
 
 static void adaptive_soft_depth(const shb_bias_args *args) {
-    shb_stage_kernels(args)->adaptive_soft(args);
+    shb_stage_kernels(args->kernels)->adaptive_soft(args);
 }
 
 shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold) {

@@ -5,7 +5,7 @@
 #include "kernels/shade.h"
 
 static void angle_depth(const shb_bias_args *args) {
-    shb_stage_kernels(args)->angle(args);
+    shb_stage_kernels(args->kernels)->angle(args);
 }
 
 shb_bias shb_bias_angle(float base, float limit) {

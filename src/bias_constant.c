@@ -9,7 +9,7 @@ shb_bias shb_bias_none(void) {
 }
 
 void shb_constant_depth(const shb_bias_args *args) {
-    shb_stage_kernels(args)->constant(args);
+    shb_stage_kernels(args->kernels)->constant(args);
 }
 
 shb_bias shb_bias_constant(float amount, shb_unit unit) {

@@ -5,11 +5,11 @@
 #include "kernels/shade.h"
 
 static void normal_offset(const shb_bias_args *args) {
-    shb_stage_kernels(args)->normal_offset(args);
+    shb_stage_kernels(args->kernels)->normal_offset(args);
 }
 
 static void normal_offset_depth(const shb_bias_args *args) {
-    shb_stage_kernels(args)->normal_offset_depth(args);
+    shb_stage_kernels(args->kernels)->normal_offset_depth(args);
 }
 
 shb_bias shb_bias_normal_offset(float texels, float depth) {

@@ -6,7 +6,7 @@
 #include "stages.h"
 
 void shb_receiver_plane_depth(const shb_bias_args *args) {
-    shb_stage_kernels(args)->receiver_plane(args);
+    shb_stage_kernels(args->kernels)->receiver_plane(args);
 }
 
 shb_bias shb_bias_receiver_plane(float epsilon) {

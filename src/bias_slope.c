@@ -5,7 +5,7 @@
 #include "kernels/shade.h"
 
 static void slope_depth(const shb_bias_args *args) {
-    shb_stage_kernels(args)->slope(args);
+    shb_stage_kernels(args->kernels)->slope(args);
 }
 
 shb_bias shb_bias_slope(float factor, float units, float clamp) {

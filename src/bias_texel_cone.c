@@ -6,7 +6,7 @@
 #include "kernels/shade.h"
 
 static void texel_cone_offset(const shb_bias_args *args) {
-    shb_stage_kernels(args)->texel_cone(args);
+    shb_stage_kernels(args->kernels)->texel_cone(args);
 }
 
 shb_bias shb_bias_texel_cone(void) {

@@ -8,7 +8,9 @@
 #include <string.h>
 
 static void clear_table(shb_surface_table *table) {
+    memset(table->ids, 0xff, sizeof table->ids); /* of no triangle */
     table->count = 0;
+    table->prepared = 0;
     table->lacks = false;
     table->has_smooth = false;
 }
@@ -20,12 +22,13 @@ void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kerne
     reader->view = *view;
     reader->instance_count = 0;
     reader->next_instance = 0;
-    reader->instance = NULL;
     memset(reader->table.places, 0, sizeof reader->table.places);
     clear_table(&reader->table);
     reader->left = left;
-    for (uint32_t i = 0; i < SHB_SPAN; i++)
+    for (uint32_t i = 0; i < SHB_SPAN; i++) {
+        reader->columns[i] = (int32_t)(left + i);
         reader->centers[i] = (2.0 * (left + i) + 1.0 - frame->width) / frame->width;
+    }
 }
 
 static bool holds(const shb_surface_instance *instance, uint32_t id) {
@@ -96,7 +99,7 @@ static void prepare_alone(shb_fragment_reader *reader, uint32_t place) {
     }
 }
 
-static inline void read_triple(float (*to)[SHB_SPAN + SHB_TABLE_MARGIN], size_t i,
+static inline void read_triple(float (*to)[SHB_BATCH + SHB_TABLE_MARGIN], size_t i,
                                const float *from) {
     to[0][i] = from[0];
     to[1][i] = from[1];
@@ -129,7 +132,7 @@ static void read_corners(const shb_surface_instance *instance, size_t count, con
                          shb_surface_corners *corners) {
     static const float none[3] = {NAN, NAN, NAN};
     const shb_mesh mesh = *instance->mesh;
-    uint32_t vertices[SHB_SPAN][3];
+    uint32_t vertices[SHB_BATCH][3];
     read_vertices(instance, count, ids, vertices);
     for (size_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++) {
@@ -143,20 +146,10 @@ static void read_corners(const shb_surface_instance *instance, size_t count, con
         }
 }
 
-/* Prepares the triangles up to place end that are not yet, all of the reader's instance. */
-static void prepare(shb_fragment_reader *reader, uint32_t end) {
+/* Prepares the triangles first .. end - 1 of the table, all of this instance. */
+static void prepare(shb_fragment_reader *reader, const shb_surface_instance *instance,
+                    uint32_t first, uint32_t end) {
     shb_surface_table *table = &reader->table;
-    const shb_surface_instance *instance = reader->instance;
-    const uint32_t first = table->count;
-    if (first == end)
-        return;
-    table->count = end;
-    if (!instance) {
-        for (uint32_t place = first; place < end; place++)
-            table->triangles[place].facing = 0;
-        table->lacks = true;
-        return;
-    }
     table->has_smooth |= instance->mesh->normals != NULL;
     shb_surface_corners corners;
     read_corners(instance, end - first, table->ids + first, &corners);
@@ -165,6 +158,23 @@ static void prepare(shb_fragment_reader *reader, uint32_t end) {
     for (uint32_t place = first; place < end; place++)
         if (!(table->triangles[place].facing & SHB_SURFACE_USABLE))
             prepare_alone(reader, place);
+}
+
+/* Prepares the triangles that are not yet, those of one instance together. */
+static void prepare_new(shb_fragment_reader *reader) {
+    shb_surface_table *table = &reader->table;
+    while (table->prepared < table->count) {
+        const uint32_t first = table->prepared++;
+        const shb_surface_instance *instance = find_instance(reader, table->ids[first]);
+        if (!instance) {
+            table->triangles[first].facing = 0;
+            table->lacks = true;
+            continue;
+        }
+        while (table->prepared < table->count && holds(instance, table->ids[table->prepared]))
+            table->prepared++;
+        prepare(reader, instance, first, table->prepared);
+    }
 }
 
 static size_t id_stride(const shb_frame *frame) {
@@ -186,53 +196,32 @@ static void prefetch_next(const shb_frame *frame, const shb_fragment_span *span)
 }
 
 /* The place of a triangle in the table of *count ones, where it is or to be prepared. Without a
- * branch for whether it is, which no processor could predict. */
+ * branch for whether it is, which no processor could predict. An id that is written behind the last
+ * one is not found there: its entry leads to where it is. */
 static inline uint32_t find_place(shb_surface_table *table, uint32_t id, uint32_t *count) {
-    uint16_t *known = &table->places[id % SHB_TABLE];
+    uint16_t *known = &table->places[id % SHB_TABLE_PLACES];
     const uint32_t held = *known, next = *count;
-    const uint32_t is_there = (uint32_t)(held < next) & (uint32_t)(table->ids[held] == id);
-    const uint32_t place = next + ((held - next) & (0 - is_there));
+    const uint32_t is_new = table->ids[held] != id;
+    const uint32_t place = held + ((next - held) & (0 - is_new));
     *known = (uint16_t)place;
     table->ids[next] = id;
-    *count = next + (1 - is_there);
+    *count = next + is_new;
     return place;
 }
 
-/* The ids of the reader's instance. */
-typedef struct id_range {
-    uint32_t first, count;
-} id_range;
-
-static id_range held_ids(const shb_fragment_reader *reader) {
-    const shb_surface_instance *instance = reader->instance;
-    if (!instance)
-        return (id_range){0, 0};
-    return (id_range){instance->first_id, instance->mesh->triangle_count};
-}
-
 /* Finds the place of each covered pixel's triangle, run by run of equal ids; other pixels get any.
- * Triangles of one instance are prepared together. */
-static void find_places(shb_fragment_reader *reader, size_t pixels, const uint32_t *ids,
+ */
+static void find_places(shb_surface_table *table, size_t pixels, const uint32_t *ids,
                         const shb_span_marks *marks, uint32_t *places) {
     enum { AT_ONCE = 8 };
-    shb_surface_table *table = &reader->table;
-    if (table->count + pixels > SHB_TABLE)
-        clear_table(table);
     uint32_t triangles = table->count, place = 0;
     size_t filled = SHB_SPAN;
-    id_range held = held_ids(reader);
     for (size_t word = 0; word < SHB_SPAN_WORDS; word++) {
         for (uint64_t starts = marks->starts[word]; starts; starts &= starts - 1) {
             const size_t begin = 64 * word + (size_t)__builtin_ctzll(starts);
-            const uint32_t id = ids[begin];
             for (; filled < begin; filled++)
                 places[filled] = place;
-            if (id - held.first >= held.count) {
-                prepare(reader, triangles);
-                reader->instance = find_instance(reader, id);
-                held = held_ids(reader);
-            }
-            place = find_place(table, id, &triangles);
+            place = find_place(table, ids[begin], &triangles);
             for (size_t k = 0; k < AT_ONCE; k++)
                 places[begin + k] = place;
             filled = begin + AT_ONCE;
@@ -240,34 +229,89 @@ static void find_places(shb_fragment_reader *reader, size_t pixels, const uint32
     }
     for (; filled < pixels; filled++)
         places[filled] = place;
-    prepare(reader, triangles);
+    table->count = triangles;
+}
+
+/* Appends pixels to the batch's pieces. */
+static void add_piece(shb_fragment_batch *batch, uint32_t row, uint32_t column, uint32_t count) {
+    const size_t pieces = batch->piece_count;
+    shb_piece *last = &batch->pieces[pieces ? pieces - 1 : 0];
+    if (pieces && last->row == row && last->column + last->count == column)
+        last->count += count;
+    else
+        batch->pieces[batch->piece_count++] = (shb_piece){row, column, count};
+}
+
+/* Appends the pixels from begin on of the reader's columns. */
+static void add_pixels(const shb_fragment_reader *reader, uint32_t row, size_t begin, size_t size,
+                       const uint32_t *ids, const uint32_t *places, shb_fragment_batch *batch) {
+    const size_t count = batch->count;
+    shb_fragments *fragments = &batch->fragments;
+    memcpy(fragments->id + count, ids + begin, size * sizeof *ids);
+    memcpy(batch->places + count, places + begin, size * sizeof *places);
+    memcpy(fragments->pixel_x + count, reader->columns + begin, size * sizeof *reader->columns);
+    memcpy(batch->centers_x + count, reader->centers + begin, size * sizeof *reader->centers);
+    add_piece(batch, row, reader->left + (uint32_t)begin, (uint32_t)size);
+    batch->count = count + size;
+}
+
+/* Appends the pixels of a span whose bits are set. */
+static void add_covered(const shb_fragment_reader *reader, uint32_t row, const uint64_t *covered,
+                        const uint32_t *ids, const uint32_t *places, shb_fragment_batch *batch) {
+    for (size_t word = 0; word < SHB_SPAN_WORDS; word++)
+        for (uint64_t bits = covered[word]; bits;) {
+            const uint64_t behind = bits + (bits & -bits); /* the carry runs through the piece */
+            const size_t begin = (size_t)__builtin_ctzll(bits);
+            const size_t end = behind ? (size_t)__builtin_ctzll(behind) : 64;
+            add_pixels(reader, row, 64 * word + begin, end - begin, ids, places, batch);
+            bits &= behind;
+        }
+}
+
+void shb_fragments_take(shb_fragment_reader *reader, const shb_fragment_span *span,
+                        shb_fragment_batch *batch) {
+    const shb_frame *frame = reader->frame;
+    const uint32_t *ids = row_of_ids(frame, span->row) + span->column;
+    uint32_t places[SHB_SPAN + SHB_TABLE_MARGIN];
+    shb_span_marks marks;
+    prefetch_next(frame, span);
+    if (!reader->kernels->marks(ids, span->end - span->column, &marks))
+        return;
+    size_t i = batch->count;
+    if (i == 0 && reader->table.count + SHB_BATCH > SHB_TABLE)
+        clear_table(&reader->table);
+    find_places(&reader->table, span->end - span->column, ids, &marks, places);
+    add_covered(reader, span->row, marks.covered, ids, places, batch);
+    const double center_y = (frame->height - 2.0 * span->row - 1) / frame->height;
+    for (; i < batch->count; i++) {
+        batch->fragments.pixel_y[i] = (int32_t)span->row;
+        batch->centers_y[i] = center_y;
+    }
+}
+
+static void copy_pixel(shb_fragment_batch *batch, size_t from, size_t to) {
+    shb_fragments *fragments = &batch->fragments;
+    fragments->id[to] = fragments->id[from];
+    fragments->pixel_x[to] = fragments->pixel_x[from];
+    fragments->pixel_y[to] = fragments->pixel_y[from];
+    batch->places[to] = batch->places[from];
+    batch->centers_x[to] = batch->centers_x[from];
+    batch->centers_y[to] = batch->centers_y[from];
 }
 
 /* Leaves out the pixels whose triangles are not there. */
-static void keep_usable(const shb_surface_table *table, const uint32_t *places, uint64_t *covered) {
-    for (size_t word = 0; word < SHB_SPAN_WORDS; word++)
-        for (uint64_t bits = covered[word]; bits; bits &= bits - 1) {
-            const uint32_t place = places[64 * word + (size_t)__builtin_ctzll(bits)];
-            if (!(table->triangles[place].facing & SHB_SURFACE_USABLE))
-                covered[word] &= ~(bits & -bits);
-        }
-}
-
-/* The pieces of a span whose bits are set; returns how many. */
-static size_t list_pieces(const uint64_t *covered, shb_piece *pieces) {
-    size_t count = 0;
-    for (uint32_t word = 0; word < SHB_SPAN_WORDS; word++)
-        for (uint64_t bits = covered[word]; bits;) {
-            const uint64_t behind = bits + (bits & -bits); /* the carry runs through the piece */
-            const uint32_t begin = 64 * word + (uint32_t)__builtin_ctzll(bits);
-            const uint32_t end = 64 * word + (behind ? (uint32_t)__builtin_ctzll(behind) : 64);
-            if (count && pieces[count - 1].end == begin)
-                pieces[count - 1].end = end;
-            else
-                pieces[count++] = (shb_piece){begin, end};
-            bits &= behind;
-        }
-    return count;
+static void keep_usable(const shb_surface_table *table, shb_fragment_batch *batch) {
+    const shb_fragments *fragments = &batch->fragments;
+    size_t kept = 0;
+    batch->piece_count = 0;
+    for (size_t i = 0; i < batch->count; i++) {
+        if (!(table->triangles[batch->places[i]].facing & SHB_SURFACE_USABLE))
+            continue;
+        copy_pixel(batch, i, kept);
+        add_piece(batch, (uint32_t)fragments->pixel_y[i], (uint32_t)fragments->pixel_x[i], 1);
+        kept++;
+    }
+    batch->count = kept;
 }
 
 /* A fragment whose pixel's centre lies outside of its triangle. */
@@ -290,58 +334,17 @@ static void read_nearest(shb_fragment_reader *reader, size_t i, shb_fragments *o
     out->weight_2[i] = (float)weights[2];
 }
 
-/* Appends the pixels of a piece to count fragments; returns how many these are then. */
-static size_t add_pixels(const shb_fragment_reader *reader, const shb_piece *piece,
-                         const uint32_t *ids, const uint32_t *places, size_t count,
-                         shb_fragment_batch *batch) {
-    const size_t size = piece->end - piece->begin;
-    memcpy(batch->fragments.id + count, ids + piece->begin, size * sizeof *ids);
-    memcpy(batch->places + count, places + piece->begin, size * sizeof *places);
-    memcpy(batch->centers + count, reader->centers + piece->begin, size * sizeof *batch->centers);
-    int32_t *columns = batch->fragments.pixel_x + count;
-    for (size_t i = 0; i < size; i++)
-        columns[i] = (int32_t)(reader->left + piece->begin + i);
-    return count + size;
-}
-
-/* Loops run over the count rounded up to whole vectors, where all repeat the last fragment. */
-static void pad(size_t count, int32_t row, shb_fragment_batch *batch) {
-    const size_t lanes = shb_round_to_lanes(count);
-    for (size_t i = count; i < lanes; i++) {
-        batch->fragments.id[i] = batch->fragments.id[count - 1];
-        batch->fragments.pixel_x[i] = batch->fragments.pixel_x[count - 1];
-        batch->places[i] = batch->places[count - 1];
-        batch->centers[i] = batch->centers[count - 1];
-    }
-    for (size_t i = 0; i < lanes; i++)
-        batch->fragments.pixel_y[i] = row;
-}
-
-size_t shb_fragments_read(shb_fragment_reader *reader, const shb_fragment_span *span,
-                          shb_fragment_batch *batch) {
-    const shb_frame *frame = reader->frame;
-    const uint32_t *ids = row_of_ids(frame, span->row) + span->column;
-    uint32_t places[SHB_SPAN + SHB_TABLE_MARGIN];
-    shb_span_marks marks;
-    prefetch_next(frame, span);
-    batch->piece_count = 0;
-    if (!reader->kernels->marks(ids, span->end - span->column, &marks))
-        return 0;
-    find_places(reader, span->end - span->column, ids, &marks, places);
+void shb_fragments_read(shb_fragment_reader *reader, shb_fragment_batch *batch) {
+    prepare_new(reader);
     if (reader->table.lacks)
-        keep_usable(&reader->table, places, marks.covered);
-    batch->piece_count = list_pieces(marks.covered, batch->pieces);
-    size_t count = 0;
-    for (size_t i = 0; i < batch->piece_count; i++)
-        count = add_pixels(reader, &batch->pieces[i], ids, places, count, batch);
-    if (count == 0)
-        return 0;
-    pad(count, (int32_t)span->row, batch);
-    const double center_y = (frame->height - 2.0 * span->row - 1) / frame->height;
-    reader->kernels->fragments(center_y, count, &reader->table, batch);
+        keep_usable(&reader->table, batch);
+    if (batch->count == 0)
+        return;
+    const size_t lanes = shb_round_to_lanes(batch->count);
+    for (size_t i = batch->count; i < lanes; i++)
+        copy_pixel(batch, batch->count - 1, i);
+    reader->kernels->fragments(&reader->table, batch);
     for (size_t i = 0; i < batch->outside_count; i++)
         read_nearest(reader, batch->outside[i], &batch->fragments);
-    reader->kernels->keep_within(shb_round_to_lanes(count), batch->fragments.weight_1,
-                                 batch->fragments.weight_2);
-    return count;
+    reader->kernels->keep_within(lanes, batch->fragments.weight_1, batch->fragments.weight_2);
 }

@@ -14,9 +14,9 @@ typedef struct shb_fragment_reader {
     shb_surface_view view;
     shb_surface_instance instances[SHB_FRAGMENT_INSTANCES];
     size_t instance_count, next_instance; /* the one to be replaced next */
-    const shb_surface_instance *instance; /* of the last triangle, or NULL */
     shb_surface_table table;
-    uint32_t left;            /* the first column of what is read */
+    uint32_t left; /* the first column of what is read */
+    int32_t columns[SHB_SPAN];
     double centers[SHB_SPAN]; /* ndc x of the pixels' centres */
 } shb_fragment_reader;
 
@@ -29,9 +29,17 @@ typedef struct shb_fragment_span {
 void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kernels *kernels,
                               const shb_frame *frame, const shb_surface_view *view, uint32_t left);
 
-/* Reads the fragments of a span and returns their number. */
-size_t shb_fragments_read(shb_fragment_reader *reader, const shb_fragment_span *span,
-                          shb_fragment_batch *batch);
+static inline void shb_fragments_clear(shb_fragment_batch *batch) {
+    batch->count = 0;
+    batch->piece_count = 0;
+}
+
+/* Takes a span's pixels into the batch, for which there is room. */
+void shb_fragments_take(shb_fragment_reader *reader, const shb_fragment_span *span,
+                        shb_fragment_batch *batch);
+
+/* Reads the fragments of all that was taken; their count may become less. */
+void shb_fragments_read(shb_fragment_reader *reader, shb_fragment_batch *batch);
 
 /* A triangle of the frame, its normal as in shb_prepared_triangle. False: the scene has none such,
  * or none to be drawn. */

@@ -150,32 +150,27 @@ static void ask_light(const shading *job, size_t k, size_t count, workspace *wor
                            work->batch.facing, lighting);
 }
 
-static uint8_t *pixels_of(const shading *job, const shb_fragment_span *span) {
+static uint8_t *pixels_of(const shading *job, uint32_t row, uint32_t column) {
     const shb_image *image = &job->desc->image;
     const size_t stride = image->stride ? image->stride : 3 * (size_t)image->width;
-    return image->pixels + span->row * stride + 3 * (size_t)span->column;
+    return image->pixels + row * stride + 3 * (size_t)column;
 }
 
-/* The span with the batch's fragments on the background. */
-static void write_batch(const shading *job, const shb_fragment_span *span, const workspace *work) {
-    uint8_t row[3 * TASK_COLUMNS + SHB_DISPLAY_MARGIN];
-    const uint32_t width = span->end - span->column;
-    uint32_t written = 0;
-    size_t first = 0;
+static void write_batch(const shading *job, const workspace *work) {
+    uint8_t bytes[3 * SHB_BATCH + SHB_DISPLAY_MARGIN];
+    const uint8_t *from = bytes;
+    job->kernels->display(shb_round_to_lanes(work->batch.count), work->red, work->green, work->blue,
+                          bytes);
     for (size_t i = 0; i < work->batch.piece_count; i++) {
-        const shb_piece piece = work->batch.pieces[i];
-        memcpy(row + 3 * written, job->empty_row, 3 * (piece.begin - written));
-        job->kernels->display(piece.end - piece.begin, work->red + first, work->green + first,
-                              work->blue + first, row + 3 * piece.begin);
-        first += piece.end - piece.begin;
-        written = piece.end;
+        const shb_piece *piece = &work->batch.pieces[i];
+        memcpy(pixels_of(job, piece->row, piece->column), from, 3 * (size_t)piece->count);
+        from += 3 * (size_t)piece->count;
     }
-    memcpy(row + 3 * written, job->empty_row, 3 * (width - written));
-    memcpy(pixels_of(job, span), row, 3 * width);
 }
 
-static void shade_batch(const shading *job, size_t count, workspace *work) {
+static void color_batch(const shading *job, workspace *work) {
     const shb_shade_desc *desc = job->desc;
+    const size_t count = work->batch.count;
     if (desc->smooth_terminator)
         shb_terminator_lift_batch(&work->reader, count, &work->batch.fragments, &work->lifted);
     for (size_t k = 0; k < desc->light_count; k++)
@@ -184,16 +179,28 @@ static void shade_batch(const shading *job, size_t count, workspace *work) {
     memset(work->red, 0, size);
     memset(work->green, 0, size);
     memset(work->blue, 0, size);
-    const shb_shade_args args = {count,
-                                 &work->batch.fragments,
-                                 desc->light_count,
-                                 desc->lights,
-                                 work->lighting,
-                                 desc->user,
-                                 work->red,
-                                 work->green,
-                                 work->blue};
+    const shb_shade_args args = {.count = count,
+                                 .fragments = &work->batch.fragments,
+                                 .light_count = desc->light_count,
+                                 .lights = desc->lights,
+                                 .lighting = work->lighting,
+                                 .user = desc->user,
+                                 .red = work->red,
+                                 .green = work->green,
+                                 .blue = work->blue,
+                                 .kernels = job->kernels};
     desc->shade(&args);
+}
+
+/* Shades the pixels that were taken into the batch, and empties it. */
+static void shade_batch(const shading *job, workspace *work) {
+    shb_fragments_read(&work->reader, &work->batch);
+    if (work->batch.count) {
+        color_batch(job, work);
+        if (job->desc->image.pixels)
+            write_batch(job, work);
+    }
+    shb_fragments_clear(&work->batch);
 }
 
 static uint32_t min_u32(uint32_t a, uint32_t b) {
@@ -209,16 +216,16 @@ static void shade_block(void *arg, size_t index) {
     const uint32_t right = min_u32(left + TASK_COLUMNS, frame->width);
     workspace work;
     shb_fragment_reader_init(&work.reader, job->kernels, frame, &job->view, left);
+    shb_fragments_clear(&work.batch);
     for (uint32_t row = top; row < bottom; row++) {
         const shb_fragment_span span = {row, left, right};
-        const size_t count = shb_fragments_read(&work.reader, &span, &work.batch);
-        if (count)
-            shade_batch(job, count, &work);
-        if (job->desc->image.pixels && count)
-            write_batch(job, &span, &work);
-        else if (job->desc->image.pixels)
-            memcpy(pixels_of(job, &span), job->empty_row, 3 * (size_t)(right - left));
+        if (job->desc->image.pixels)
+            memcpy(pixels_of(job, row, left), job->empty_row, 3 * (size_t)(right - left));
+        shb_fragments_take(&work.reader, &span, &work.batch);
+        if (work.batch.count + SHB_SPAN > SHB_BATCH)
+            shade_batch(job, &work);
     }
+    shade_batch(job, &work);
 }
 
 shb_result shb_shade(shb_context *context, const shb_shade_desc *desc) {

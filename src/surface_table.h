@@ -8,8 +8,11 @@
 /* Pixels of a row that are read at once. Vectors may write as far behind them. */
 #define SHB_SPAN 128
 
-/* Triangles of a table; those of a row always fit. */
+/* Triangles of a table; those of a batch always fit. */
 #define SHB_TABLE 1024
+
+/* A table finds its triangles by so many of the lowest values of their ids. */
+#define SHB_TABLE_PLACES 4096
 
 /* Vectors may be written as far behind the last element that is wanted. */
 #define SHB_TABLE_MARGIN 16
@@ -44,16 +47,16 @@ typedef struct shb_prepared_triangle {
 typedef struct shb_surface_table {
     shb_prepared_triangle triangles[SHB_TABLE + SHB_TABLE_MARGIN];
     uint32_t ids[SHB_TABLE + 1];
-    uint32_t count;
-    bool lacks;                 /* some of them are not there */
-    bool has_smooth;            /* some of them are smooth */
-    uint16_t places[SHB_TABLE]; /* where a triangle may be, by its id */
+    uint32_t count, prepared;          /* the first ones are prepared already */
+    bool lacks;                        /* some of them are not there */
+    bool has_smooth;                   /* some of them are smooth */
+    uint16_t places[SHB_TABLE_PLACES]; /* where a triangle may be, by its id */
 } shb_surface_table;
 
 /* Corners of triangles as a mesh holds them: x, y, z of each. */
 typedef struct shb_surface_corners {
-    SHB_ALIGN float positions[9][SHB_SPAN + SHB_TABLE_MARGIN];
-    float normals[9][SHB_SPAN + SHB_TABLE_MARGIN];
+    SHB_ALIGN float positions[9][SHB_BATCH + SHB_TABLE_MARGIN];
+    float normals[9][SHB_BATCH + SHB_TABLE_MARGIN];
 } shb_surface_corners;
 
 /* Words of a bit for each pixel of a span. */
@@ -66,22 +69,23 @@ typedef struct shb_span_marks {
                                          the pixel before */
 } shb_span_marks;
 
-/* Pixels begin .. end - 1 of a span. */
+/* Neighbouring pixels of a row. */
 typedef struct shb_piece {
-    uint32_t begin, end;
+    uint32_t row, column, count;
 } shb_piece;
 
-/* What is read of a span. From the fragments' number up to the next multiple of SHB_LANES all
- * repeat the last one. */
+/* What is read of a few spans. From the count up to the next multiple of SHB_LANES all repeat the
+ * last fragment. */
 typedef struct shb_fragment_batch {
+    size_t count;
     shb_fragments fragments;
-    SHB_ALIGN double centers[SHB_SPAN + SHB_TABLE_MARGIN]; /* ndc x of the pixels' centres */
-    uint32_t places[SHB_SPAN + SHB_TABLE_MARGIN];          /* of the triangles in the table */
-    uint32_t facing[SHB_BATCH];                            /* as in shb_prepared_triangle */
+    SHB_ALIGN double centers_x[SHB_BATCH], centers_y[SHB_BATCH]; /* of the pixels, ndc */
+    uint32_t places[SHB_BATCH];                                  /* of triangles in the table */
+    uint32_t facing[SHB_BATCH];                                  /* as in shb_prepared_triangle */
     /* Fragments whose pixel's centre lies outside of their triangle. */
-    uint16_t outside[SHB_SPAN + SHB_TABLE_MARGIN];
+    uint16_t outside[SHB_BATCH];
     uint32_t outside_count;
-    shb_piece pieces[SHB_SPAN / 2]; /* where the fragments lie, from left to right */
+    shb_piece pieces[SHB_BATCH]; /* where the fragments lie, in their order */
     size_t piece_count;
 } shb_fragment_batch;
 

@@ -149,6 +149,30 @@ TEST(shade_lambert_writes_the_square_root_of_the_light) {
     two_lights_destroy(&t);
 }
 
+/* As a host does that has fragments of its own. */
+static void lambert_without_kernels(const shb_shade_args *args) {
+    shb_shade_args own = *args;
+    own.kernels = NULL;
+    shb_shade_lambert(&own);
+}
+
+TEST(shade_lambert_called_by_a_host_writes_the_same) {
+    quad q;
+    quad_init(&q, 4, 0.5f);
+    const float tint[3] = {0.9f, 0.5f, 0.1f};
+    uint8_t pixels[2][3 * 32];
+    shb_context *context = shading_context(1);
+    for (int i = 0; i < 2; i++) {
+        const shb_shade_desc desc = {.frame = q.frame,
+                                     .shade = i ? lambert_without_kernels : shb_shade_lambert,
+                                     .user = tint,
+                                     .image = {pixels[i], 8, 4, 0}};
+        CHECK_INT(shb_shade(context, &desc), SHB_OK);
+    }
+    CHECK(pixels[0][0] > 0 && memcmp(pixels[0], pixels[1], sizeof pixels[0]) == 0);
+    shb_context_destroy(context);
+}
+
 TEST(shade_lambert_ambient_light_comes_from_above) {
     /* Shading normals (0, 0.6, -0.8): 0.04 * 1.6 = 0.064; its root 0.25298 is 64.51 / 255. */
     two_lights t;

@@ -79,8 +79,9 @@ static void count_sizes(const shb_shade_args *args) {
     (*sizes)[args->count]++;
 }
 
-TEST(shade_batches_are_full_until_the_row_ends) {
-    /* A covered row of 1000 is seven times 128 and 104; 257 are 128 + 128 + 1. */
+TEST(shade_batches_take_rows_as_long_as_the_next_is_sure_to_fit) {
+    /* A covered row of 1000 is seven times 128 and 104; 257 are 128 + 128 + 1. Of five rows of 128
+     * two and two fit into 256, and of five rows of 60 three, as a fourth may be 128. */
     quad q;
     quad_init(&q, 4, 0);
     uint32_t ids[1000] = {0};
@@ -97,6 +98,15 @@ TEST(shade_batches_are_full_until_the_row_ends) {
     CHECK_INT(shb_shade(context, &desc), SHB_OK);
     CHECK_INT(counts[128], 9);
     CHECK_INT(counts[1], 1);
+    desc.frame.width = 128;
+    desc.frame.height = 5;
+    CHECK_INT(shb_shade(context, &desc), SHB_OK);
+    CHECK_INT(counts[256], 2);
+    CHECK_INT(counts[128], 10);
+    desc.frame.width = 60;
+    CHECK_INT(shb_shade(context, &desc), SHB_OK);
+    CHECK_INT(counts[180], 1);
+    CHECK_INT(counts[120], 1);
     shb_context_destroy(context);
 }
 

@@ -20,12 +20,13 @@ typedef struct shb_frame {
     size_t id_stride; /* bytes; 0: rows without gaps */
 } shb_frame;
 
-/* A batch of fragments: covered pixels of a row, in order. The position is the point of the
- * triangle at the pixel's centre or, where snapping covered a centre just outside the triangle, the
- * triangle's point nearest to it on the screen. Normals are unit vectors: the triangle's is turned
- * towards the camera (a triangle without area gets the direction to it), the shading normal to the
- * same side of the triangle. From the count up to the next multiple of 16 all arrays repeat the
- * last fragment, those of shb_lighting too, so that loops may run over whole vectors. */
+/* A batch of fragments: covered pixels of a few rows, row by row and from left to right. The
+ * position is the point of the triangle at the pixel's centre or, where snapping covered a centre
+ * just outside the triangle, the triangle's point nearest to it on the screen. Normals are unit
+ * vectors: the triangle's is turned towards the camera (a triangle without area gets the direction
+ * to it), the shading normal to the same side of the triangle. From the count up to the next
+ * multiple of 16 all arrays repeat the last fragment, those of shb_lighting too, so that loops may
+ * run over whole vectors. */
 typedef struct shb_fragments {
     SHB_ALIGN float x[SHB_BATCH]; /* world position */
     float y[SHB_BATCH];
@@ -74,6 +75,7 @@ typedef struct shb_shade_args {
     float *red;
     float *green;
     float *blue;
+    const struct shb_shade_kernels *kernels; /* the library's own; NULL when a host calls one */
 } shb_shade_args;
 
 /* Must be thread-safe: batches of one frame run at the same time. */

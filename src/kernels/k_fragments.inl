@@ -1,4 +1,4 @@
-/* Fragments of a row of pixels from the triangles that they see: the formulas of surface.c. */
+/* Fragments of pixels from the triangles that they see: the formulas of surface.c. */
 
 /* Bit i % 64: id i, of first .. end - 1 within 64, is none. */
 static inline ALWAYS_INLINE uint64_t none_bits(const uint32_t *ids, size_t first, size_t end) {
@@ -215,13 +215,12 @@ static inline ALWAYS_INLINE uint32_t write_any(const shb_surface_table *table, w
     return outside;
 }
 
-static void read_fragments(double center_y, size_t count, const shb_surface_table *table,
-                           shb_fragment_batch *batch) {
-    const wd y = wd_splat(center_y);
+static void read_fragments(const shb_surface_table *table, shb_fragment_batch *batch) {
+    const size_t lanes = shb_round_to_lanes(batch->count);
     size_t found = 0;
-    for (size_t i = 0; i < shb_round_to_lanes(count); i += DOUBLES) {
+    for (size_t i = 0; i < lanes; i += DOUBLES) {
         const uint32_t *places = batch->places + i;
-        const wd x = wd_load(batch->centers + i);
+        const wd x = wd_load(batch->centers_x + i), y = wd_load(batch->centers_y + i);
         uint32_t missed;
         if (memcmp(places, places + 1, (DOUBLES - 1) * sizeof *places) == 0)
             missed = write_alike(&table->triangles[*places], x, y, batch, i);
@@ -291,7 +290,7 @@ static inline ALWAYS_INLINE uint32_t display_byte(float linear) {
 
 static void display(size_t count, const float *restrict red, const float *restrict green,
                     const float *restrict blue, uint8_t *restrict bytes) {
-    uint32_t pixels[SHB_SPAN];
+    uint32_t pixels[SHB_BATCH];
     for (size_t i = 0; i < count; i++)
         pixels[i] =
             display_byte(red[i]) | display_byte(green[i]) << 8 | display_byte(blue[i]) << 16;

@@ -48,6 +48,8 @@
 
 #include "k_fragments.inl"
 
+#include "k_lambert.inl"
+
 #include "k_pyramid.inl"
 
 #include "k_pcss.inl"
@@ -90,4 +92,5 @@ const shb_shade_kernels SHADE_KERNELS = {
     .keep_within = keep_within,
     .lighting = light_fragments,
     .display = display,
+    .lambert = shade_lambert,
 };

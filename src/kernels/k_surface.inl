@@ -28,7 +28,7 @@ static inline ALWAYS_INLINE wd3 transform3(const double *m, int row, wd3 v, doub
                  n[0] * v.x + n[4] * v.y + n[8] * v.z + n[12] * v_w};
 }
 
-static inline ALWAYS_INLINE wd3 load_floats3(const float (*from)[SHB_SPAN + SHB_TABLE_MARGIN],
+static inline ALWAYS_INLINE wd3 load_floats3(const float (*from)[SHB_BATCH + SHB_TABLE_MARGIN],
                                              size_t i) {
     return (wd3){wd_load_floats(from[0] + i), wd_load_floats(from[1] + i),
                  wd_load_floats(from[2] + i)};

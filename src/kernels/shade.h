@@ -81,10 +81,9 @@ typedef struct shb_shade_kernels {
                       size_t count, const shb_surface_corners *corners,
                       shb_prepared_triangle *triangles);
 
-    /* Fragments of a row, whose places, centres and triangles are there: all but ids and pixels.
-     * center_y: ndc. Those outside are not right yet. */
-    void (*fragments)(double center_y, size_t count, const shb_surface_table *table,
-                      shb_fragment_batch *batch);
+    /* Fragments whose places, centres and triangles are there: all but ids and pixels. Those
+     * outside are not right yet. */
+    void (*fragments)(const shb_surface_table *table, shb_fragment_batch *batch);
 
     /* Rounding may leave a point just beyond an edge, in the shadow of a neighbour that rises
      * there: the smaller weight becomes what the larger one leaves, which is exact from 1/2 on. */
@@ -96,18 +95,22 @@ typedef struct shb_shade_kernels {
                      const shb_fragments *fragments, const uint32_t *facing,
                      shb_lighting *lighting);
 
-    /* Linear colours of at most SHB_SPAN pixels to the bytes of an image, three a pixel; may write
+    /* Linear colours of at most SHB_BATCH pixels to the bytes of an image, three a pixel; may write
      * SHB_DISPLAY_MARGIN more. */
     void (*display)(size_t count, const float *red, const float *green, const float *blue,
                     uint8_t *bytes);
+
+    /* The contract of the callback. */
+    shb_shade_fn *lambert;
 } shb_shade_kernels;
 
 /* Never NULL. */
 const shb_shade_kernels *shb_shade_kernels_of(shb_isa isa);
 
-/* Those of the map that asks, or the scalar ones for a host that calls a stage by itself. */
-static inline const shb_shade_kernels *shb_stage_kernels(const shb_bias_args *args) {
-    return args->kernels ? args->kernels : shb_shade_kernels_of(SHB_ISA_SCALAR);
+/* Those of the map or the frame that asks, or the scalar ones for a host that calls a stage or a
+ * callback by itself. */
+static inline const shb_shade_kernels *shb_stage_kernels(const shb_shade_kernels *kernels) {
+    return kernels ? kernels : shb_shade_kernels_of(SHB_ISA_SCALAR);
 }
 
 extern const shb_shade_kernels shb_shade_kernels_scalar, shb_shade_kernels_sse2,

@@ -46,7 +46,7 @@ shb_map *shading_map(shb_context *context, const shb_view *view, uint32_t width,
 typedef struct recorder {
     uint32_t width;
     seen_pixel *pixels;
-    unsigned *bad_batches; /* elements of one a pixel: the batch that started there broke a rule */
+    unsigned *bad_batches; /* elements of one a pixel: the batch that ended there broke a rule */
 } recorder;
 
 static bool padding_repeats_the_last(const shb_shade_args *args) {
@@ -63,12 +63,13 @@ static bool padding_repeats_the_last(const shb_shade_args *args) {
 static void record(const shb_shade_args *args) {
     const recorder *to = args->user;
     const shb_fragments *f = args->fragments;
-    const size_t row = (size_t)f->pixel_y[0] * to->width;
+    size_t at = 0;
     bool good = args->count >= 1 && args->count <= SHB_BATCH && padding_repeats_the_last(args);
     for (size_t i = 0; i < args->count; i++) {
-        good = good && f->pixel_y[i] == f->pixel_y[0];
-        good = good && (i == 0 || f->pixel_x[i] > f->pixel_x[i - 1]);
-        seen_pixel *pixel = &to->pixels[row + (size_t)f->pixel_x[i]];
+        const size_t before = at;
+        at = (size_t)f->pixel_y[i] * to->width + (size_t)f->pixel_x[i];
+        good = good && (i == 0 || at > before);
+        seen_pixel *pixel = &to->pixels[at];
         const unsigned times = pixel->times + 1;
         *pixel = (seen_pixel){times,
                               {f->x[i], f->y[i], f->z[i]},
@@ -85,7 +86,7 @@ static void record(const shb_shade_args *args) {
         }
         args->red[i] = args->green[i] = args->blue[i] = 1;
     }
-    to->bad_batches[row + (size_t)f->pixel_x[0]] += !good;
+    to->bad_batches[at] += !good;
 }
 
 seen_pixel *shade_and_record(shb_context *context, shb_shade_desc desc) {
