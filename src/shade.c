@@ -228,6 +228,14 @@ static void shade_block(void *arg, size_t index) {
     shade_batch(job, &work);
 }
 
+static void write_empty_row(shading *job) {
+    float colors[3][TASK_COLUMNS];
+    for (size_t i = 0; i < TASK_COLUMNS; i++)
+        for (size_t k = 0; k < 3; k++)
+            colors[k][i] = job->desc->background[k];
+    job->kernels->display(TASK_COLUMNS, colors[0], colors[1], colors[2], job->empty_row);
+}
+
 shb_result shb_shade(shb_context *context, const shb_shade_desc *desc) {
     if (!context)
         return SHB_ERROR_ARGUMENT;
@@ -246,9 +254,7 @@ shb_result shb_shade(shb_context *context, const shb_shade_desc *desc) {
         job.lights[k] = shb_map_get_info(desc->lights[k].map)->light;
         job.filters[k] = desc->lights[k].filter ? *desc->lights[k].filter : shb_filter_hard();
     }
-    const float *background = desc->background;
-    for (size_t i = 0; i < TASK_COLUMNS; i++)
-        job.kernels->display(1, background, background + 1, background + 2, job.empty_row + 3 * i);
+    write_empty_row(&job);
     const uint32_t tasks_down = (desc->frame.height + TASK_ROWS - 1) / TASK_ROWS;
     shb_parallel_for(context, shade_block, &job, (size_t)job.tasks_across * tasks_down);
     return SHB_OK;

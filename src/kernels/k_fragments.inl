@@ -233,11 +233,17 @@ static void read_fragments(const shb_surface_table *table, shb_fragment_batch *b
 }
 
 static void keep_within(size_t count, float *restrict weight_1, float *restrict weight_2) {
-    for (size_t i = 0; i < count; i++) {
-        const float b = weight_1[i], c = weight_2[i];
-        weight_1[i] = b < c && b > 1 - c ? 1 - c : b;
-        weight_2[i] = b >= c && c > 1 - b ? 1 - b : c;
+    for (size_t i = 0; i < count; i += WIDE) {
+        const vf b = vf_load(weight_1 + i), c = vf_load(weight_2 + i);
+        const vf left_1 = 1.0f - c, left_2 = 1.0f - b;
+        vf_store(weight_1 + i, vf_where((b < c) & (b > left_1), left_1, b));
+        vf_store(weight_2 + i, vf_where((b >= c) & (c > left_2), left_2, c));
     }
+}
+
+/* Cut off at 0 and 1; NaN becomes 0. */
+static inline ALWAYS_INLINE vf vf_unit(vf v) {
+    return vf_min(vf_max(v, vf_splat(0.0f)), vf_splat(1.0f));
 }
 
 /* Cosines between shading normals and directions to the light, in double: distances may be large.
@@ -272,27 +278,23 @@ static void light_fragments(const shb_light_source *light, uint32_t number, size
         write_cosines(light, true, lanes, fragments, out->cosine);
     else
         write_cosines(light, false, lanes, fragments, out->cosine);
-    for (size_t i = 0; i < lanes; i++) {
-        const bool faces = (facing[i] >> number & 1) != 0;
-        const float positive = out->cosine[i] > 0 ? out->cosine[i] : 0.0f;
-        const float cosine = positive < 1 ? positive : 1.0f;
-        out->cosine[i] = faces ? cosine : 0.0f;
-        out->visibility[i] = faces ? out->visibility[i] : 0.0f;
+    for (size_t i = 0; i < lanes; i += WIDE) {
+        const vi faces = (vi)(vu_load(facing + i) << (31 - number)) < 0;
+        vf_store(out->cosine + i, vf_keep(faces, vf_unit(vf_load(out->cosine + i))));
+        vf_store(out->visibility + i, vf_keep(faces, vf_load(out->visibility + i)));
     }
 }
 
-/* The image's square root; + 0.5 rounds to the nearest. NaN becomes 0. */
-static inline ALWAYS_INLINE uint32_t display_byte(float linear) {
-    const float positive = linear > 0 ? linear : 0.0f;
-    const float unit = positive < 1 ? positive : 1.0f;
-    return (uint32_t)(int32_t)(sqrtf(unit) * 255.0f + 0.5f);
+/* The image's square root; + 0.5 rounds to the nearest. */
+static inline ALWAYS_INLINE vi display_bytes(const float *linear) {
+    return __builtin_convertvector(vf_sqrt(vf_unit(vf_load(linear))) * 255.0f + 0.5f, vi);
 }
 
 static void display(size_t count, const float *restrict red, const float *restrict green,
                     const float *restrict blue, uint8_t *restrict bytes) {
     uint32_t pixels[SHB_BATCH];
-    for (size_t i = 0; i < count; i++)
-        pixels[i] =
-            display_byte(red[i]) | display_byte(green[i]) << 8 | display_byte(blue[i]) << 16;
+    for (size_t i = 0; i < count; i += WIDE)
+        vi_store((int32_t *)pixels + i, display_bytes(red + i) | display_bytes(green + i) << 8 |
+                                            display_bytes(blue + i) << 16);
     store_lower_triples(count, pixels, bytes);
 }

@@ -95,8 +95,8 @@ typedef struct shb_shade_kernels {
                      const shb_fragments *fragments, const uint32_t *facing,
                      shb_lighting *lighting);
 
-    /* Linear colours of at most SHB_BATCH pixels to the bytes of an image, three a pixel; may write
-     * SHB_DISPLAY_MARGIN more. */
+    /* Linear colours of at most SHB_BATCH pixels, rounded up to whole vectors, to the bytes of an
+     * image, three a pixel; may write SHB_DISPLAY_MARGIN more. */
     void (*display)(size_t count, const float *red, const float *green, const float *blue,
                     uint8_t *bytes);
 

@@ -62,7 +62,8 @@ static inline __m256 gather_eight(const float *base, __m256i index) {
 }
 #endif
 
-/* vf_by_sign: negative where the sign bit is set.
+/* vf_sqrt: the square root.
+ * vf_by_sign: negative where the sign bit is set.
  * vf_gather: the floats at these indices, which are not negative.
  * vf_min, vf_max: a < b ? a : b, a > b ? a : b. vf_least: of all lanes, none of them NaN.
  * vi_any: true if the mask is set in some lane.
@@ -73,6 +74,9 @@ static inline vf vf_min(vf a, vf b) {
 }
 static inline vf vf_max(vf a, vf b) {
     return _mm512_max_ps(a, b);
+}
+static inline vf vf_sqrt(vf v) {
+    return _mm512_sqrt_ps(v);
 }
 static inline vf vf_by_sign(vi sign, vf negative, vf other) {
     return _mm512_mask_blend_ps(_mm512_movepi32_mask((__m512i)sign), other, negative);
@@ -97,6 +101,9 @@ static inline vf vf_min(vf a, vf b) {
 }
 static inline vf vf_max(vf a, vf b) {
     return _mm256_max_ps(a, b);
+}
+static inline vf vf_sqrt(vf v) {
+    return _mm256_sqrt_ps(v);
 }
 static inline vf vf_by_sign(vi sign, vf negative, vf other) {
     return _mm256_blendv_ps(other, negative, (__m256)sign);
@@ -123,6 +130,9 @@ static inline vf vf_min(vf a, vf b) {
 static inline vf vf_max(vf a, vf b) {
     return _mm_max_ps(a, b);
 }
+static inline vf vf_sqrt(vf v) {
+    return _mm_sqrt_ps(v);
+}
 static inline uint32_t vi_bits(vi mask) {
     return (uint32_t)_mm_movemask_ps((__m128)mask);
 }
@@ -138,6 +148,11 @@ static inline vf vf_min(vf a, vf b) {
 }
 static inline vf vf_max(vf a, vf b) {
     return vf_where(a > b, a, b);
+}
+static inline vf vf_sqrt(vf v) {
+    for (int i = 0; i < WIDE; i++)
+        v[i] = sqrtf(v[i]);
+    return v;
 }
 #endif
 static inline vf vf_by_sign(vi sign, vf negative, vf other) {
