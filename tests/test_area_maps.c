@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "contexts.h"
 #include "random.h"
 #include "soup.h"
 #include "test.h"
@@ -12,12 +13,6 @@
 enum { POINTS = 64 };
 
 static const shb_area_light square = {{{0, 0, 2}, 1}, {0.5, 0, 0}, {0, 0.5, 0}, false};
-
-static shb_context *make_context(uint32_t threads) {
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = threads}, &context), SHB_OK);
-    return context;
-}
 
 /* A roof in the plane z = 1 from x = -90 to the edge; what is asked lies on the ground z = 0. */
 static void add_roof(soup *s, float edge) {
@@ -71,7 +66,7 @@ static void place_across(float *positions, double from, double to) {
  * points span 1.4 along x, and a texel as much on the ground as of the light's image. */
 static void check_straight_edge(const shb_area_light *area, const shb_view *view, double h,
                                 uint32_t width, uint32_t samples) {
-    shb_context *context = make_context(1);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     soup s = {0};
     add_roof(&s, 0);
     const shb_bias none = shb_bias_none();
@@ -127,7 +122,7 @@ TEST(maps_are_those_of_the_light_wherever_the_view_stands) {
 /* Lit is the part of the disk beyond c = -x / h: (acos(c) - c sqrt(1 - c^2)) / pi. */
 TEST(maps_of_a_disk_make_the_area_of_a_segment) {
     const double pi = 3.14159265358979323846, h = 0.5;
-    shb_context *context = make_context(1);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     soup s = {0};
     add_roof(&s, 0);
     const shb_bias none = shb_bias_none();
@@ -151,7 +146,7 @@ TEST(maps_of_a_disk_make_the_area_of_a_segment) {
 /* Under a roof without end nothing is lit: no point may leave the map of any sample, not at the
  * corners of the view and not for samples that lie 0.5 beside it. Beyond the view all is lit. */
 TEST(every_map_holds_what_the_view_sees) {
-    shb_context *context = make_context(1);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     soup s = {0};
     add_roof(&s, 90);
     const shb_bias none = shb_bias_none();
@@ -182,7 +177,7 @@ TEST(every_map_holds_what_the_view_sees) {
 
 /* Scattered triangles over points on the ground, seen by many maps and by many rays. */
 TEST(maps_converge_to_the_rays) {
-    shb_context *context = make_context(2);
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     test_random random = {77};
     soup s = {0};
     for (int i = 0; i < 25; i++) {
@@ -230,7 +225,7 @@ static void constant_share(const shb_filter_args *args) {
 }
 
 TEST(maps_are_asked_by_bias_and_filter) {
-    shb_context *context = make_context(1);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     soup s = {0};
     add_roof(&s, 90);
     const shb_filter filter = {.name = "share", .filter = constant_share, .params = {0.25f}};
@@ -272,7 +267,7 @@ TEST(maps_answer_the_same_for_any_number_of_threads) {
     const shb_bias none = shb_bias_none();
     const shb_area_desc desc = describe(&s, &none, look_down(false), 64, 10);
     for (uint32_t threads = 1; threads <= 3; threads += 2) {
-        shb_context *context = make_context(threads);
+        shb_context *context = test_context(threads, SHB_ISA_BEST);
         const shb_points points = {
             .count = COUNT, .positions = positions, .position_stride = STRIDE * sizeof(float)};
         CHECK_INT(shb_area_visibility(context, &desc, &points, visibility[threads / 2]), SHB_OK);
@@ -287,7 +282,7 @@ TEST(maps_answer_the_same_for_any_number_of_threads) {
 }
 
 TEST(maps_of_area_lights_refuse_bad_arguments) {
-    shb_context *context = make_context(1);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     soup s = {0};
     add_roof(&s, 0);
     const shb_bias none = shb_bias_none();

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "contexts.h"
 #include "random.h"
 #include "ray_caster.h"
 #include "soup.h"
@@ -19,7 +20,7 @@ typedef struct scene_truth {
 } scene_truth;
 
 static void finish(scene_truth *t) {
-    CHECK_INT(shb_context_create(NULL, &t->context), SHB_OK);
+    t->context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_reference_create(t->context, soup_scene(&t->soup), &t->reference), SHB_OK);
 }
 
@@ -249,7 +250,7 @@ TEST(area_truth_depends_on_neither_threads_nor_neighbours) {
 
     shb_context *context;
     shb_reference *reference;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 3}, &context), SHB_OK);
+    context = test_context(3, SHB_ISA_BEST);
     CHECK_INT(shb_reference_create(context, soup_scene(&t.soup), &reference), SHB_OK);
     CHECK_INT(shb_reference_area(reference, &area, 100, &points, threaded), SHB_OK);
     CHECK(memcmp(threaded, together, sizeof together) == 0);

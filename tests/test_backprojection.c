@@ -4,6 +4,7 @@
  * receiver at depth 3/4 at z = -2, four units below; a light of width 1/4 at a distance of one
  * spans one unit at the occluder, half of the map. */
 #include "allocator.h"
+#include "contexts.h"
 #include "depth_map.h"
 #include "isas.h"
 #include "probe.h"
@@ -329,7 +330,7 @@ TEST(backprojection_is_near_the_truth) {
     build_scene(&scene);
     shb_context *context = NULL;
     shb_reference *reference = NULL;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_reference_create(context, soup_scene(&scene), &reference), SHB_OK);
     const shb_area_light light = {.light = {{0, 0, 1}, 0}, .u = {0.2, 0, 0}, .v = {0, 0.2, 0}};
     const shb_area_points points = {.count = POINTS, .positions = places};

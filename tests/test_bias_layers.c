@@ -1,4 +1,5 @@
 /* Methods that decide what the map keeps: on arrays by hand, and drawn. */
+#include "contexts.h"
 #include "probe.h"
 #include "test.h"
 
@@ -49,7 +50,7 @@ static void draw_layers(const shb_bias *bias, shb_format format, bool reversed, 
     const shb_scene scene = {&instance, 1};
     shb_context *context;
     shb_map *map;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    context = test_context(1, SHB_ISA_BEST);
     const shb_map_desc desc = {.view = probe_orthographic(reversed), .width = 4, .format = format};
     CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
     CHECK_INT(shb_map_draw(map, &scene, bias, NULL), SHB_OK);
@@ -139,8 +140,7 @@ TEST(back_face_maps_hold_back_faces) {
                            .triangle_count = 12};
     const shb_bias bias = shb_bias_back_face();
     const int32_t column = 2, row = 2;
-    shb_context *context;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     const struct {
         shb_cull cull;
         const shb_bias *bias;

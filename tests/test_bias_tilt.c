@@ -1,4 +1,5 @@
 /* A lone plane in a drawn map: nothing casts a shadow, so every shadow on it is false. */
+#include "contexts.h"
 #include "random.h"
 #include "shadowbias/map.h"
 #include "test.h"
@@ -86,7 +87,7 @@ static void check_tilts(const shb_map_desc *desc, double height, double half_wid
     const shb_bias none = shb_bias_none();
     shb_context *context;
     shb_map *map;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_map_create(context, desc, &map), SHB_OK);
     for (int degrees = 0; degrees <= 89; degrees++) {
         const plane drawn = tilted_plane(degrees * 3.14159265358979323846 / 180);

@@ -2,6 +2,7 @@
 #include "../src/cover.h"
 #include "../src/plane.h"
 
+#include "contexts.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "soup.h"
@@ -242,8 +243,7 @@ static void check_surface(shb_context *context, surface_kind kind, test_random *
 }
 
 TEST(clusters_are_dropped_only_with_all_of_their_triangles) {
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     test_random random = {41};
     size_t doubtful = 0;
     for (surface_kind kind = 0; kind < SURFACE_KINDS; kind++) {
@@ -260,8 +260,7 @@ TEST(clusters_are_dropped_only_with_all_of_their_triangles) {
 /* A ball before the eye: about half of its triangles face away, most of them in clusters that do so
  * as a whole. */
 TEST(clusters_of_a_ball_that_face_away_are_dropped) {
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     soup s = {0};
     soup_add_ball(&s, (const float[3]){0, 0, 0}, 128, 64, NULL);
     const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
@@ -291,8 +290,7 @@ TEST(clusters_of_a_ball_that_face_away_are_dropped) {
 
 /* Clusters beside, above, below and behind the eye. */
 TEST(clusters_outside_of_the_view_are_dropped) {
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     test_random random = {42};
     soup s = {0};
     add_patch(&s, &random, 8, 0.01);

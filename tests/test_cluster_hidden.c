@@ -3,6 +3,7 @@
 #include "../src/clusters.h"
 #include "../src/context.h"
 
+#include "contexts.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "soup.h"
@@ -124,7 +125,7 @@ typedef struct listed_layers {
 
 static listed_layers *list_layers(soup *s) {
     listed_layers *l = calloc(1, sizeof *l);
-    CHECK_INT(shb_context_create(NULL, &l->context), SHB_OK);
+    l->context = test_context(0, SHB_ISA_BEST);
     l->mesh = *soup_scene(s)->instances[0].mesh;
     CHECK_INT(shb_clusters_create(l->context, &l->mesh, &l->clusters), SHB_OK);
     l->mesh.clusters = l->clusters;

@@ -1,3 +1,4 @@
+#include "contexts.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "soup.h"
@@ -57,9 +58,7 @@ static void check_against_scalar(const shb_scene *plain, const shb_scene *cluste
     test_target expected = test_target_create(SIZE, SIZE);
     shb_draw_stats stats = {0};
     for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa++) {
-        shb_context *context = NULL;
-        CHECK_INT(shb_context_create(&(shb_context_desc){.max_isa = isa, .threads = 1}, &context),
-                  SHB_OK);
+        shb_context *context = test_context(1, isa);
         if (shb_context_isa(context) == isa) {
             const bool scalar = isa == SHB_ISA_SCALAR;
             test_target found = test_target_create(SIZE, SIZE);
@@ -89,7 +88,7 @@ static void check_case(test_random *random, const pair_case *c, uint32_t tile_si
     fill_soup(&s, random, c);
     shb_context *context = NULL;
     shb_clusters *clusters = NULL;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    context = test_context(0, SHB_ISA_BEST);
     const shb_scene *plain = soup_scene(&s);
     CHECK_INT(shb_clusters_create(context, plain->instances[0].mesh, &clusters), SHB_OK);
     shb_mesh mesh = *plain->instances[0].mesh;

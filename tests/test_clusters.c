@@ -2,6 +2,7 @@
 #include "../src/scene.h"
 
 #include "allocator.h"
+#include "contexts.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "soup.h"
@@ -11,12 +12,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static shb_context *make_context(void) {
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
-    return context;
-}
 
 /* A grid of columns by rows quads over the unit square, its triangles in a random order. */
 typedef struct shuffled_grid {
@@ -88,7 +83,7 @@ static void check_complete(const shb_mesh *mesh, const shb_clusters *clusters) {
 TEST(clusters_gather_neighbours_of_a_shuffled_mesh) {
     test_random random = {31};
     shuffled_grid grid = make_grid(64, 64, &random);
-    shb_context *context = make_context();
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     shb_clusters *clusters = NULL;
     CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
     check_complete(&grid.mesh, clusters);
@@ -127,8 +122,7 @@ static float *draw_large(const shb_mesh *mesh, shb_isa isa) {
                                 .width = LARGE_WIDTH,
                                 .height = LARGE_HEIGHT,
                                 .depth = {.texels = depth}};
-    CHECK_INT(shb_context_create(&(shb_context_desc){.max_isa = isa, .threads = 1}, &context),
-              SHB_OK);
+    context = test_context(1, isa);
     CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
     shb_context_destroy(context);
     return depth;
@@ -143,7 +137,7 @@ TEST(clusters_of_a_dense_mesh_give_the_scalar_depths_in_a_large_target) {
         grid.positions[3 * i + 1] *= LARGE_HEIGHT - 30.25f;
         grid.positions[3 * i + 2] = 0.25f + (float)random_below(&random, 512) / 1024;
     }
-    shb_context *context = make_context();
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     shb_clusters *clusters = NULL;
     CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
     float *expected = draw_large(&grid.mesh, SHB_ISA_SCALAR);
@@ -174,7 +168,7 @@ static double product_with(const shb_mesh *mesh, uint32_t triangle, int x, int y
 
 /* In each direction the bound is the largest product, rounded up. */
 TEST(clusters_bound_their_normals_in_every_direction) {
-    shb_context *context = make_context();
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     soup s = {0};
     soup_add_ball(&s, (const float[3]){0.5f, -1, 2}, 40, 20, NULL);
     const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
@@ -212,7 +206,7 @@ TEST(clusters_of_loose_triangles_have_vertices_that_a_byte_can_count) {
         soup_add(&s, p, p + 3, p + 6);
     }
     const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
-    shb_context *context = make_context();
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     shb_clusters *clusters = NULL;
     CHECK_INT(shb_clusters_create(context, mesh, &clusters), SHB_OK);
     check_complete(mesh, clusters);
@@ -229,7 +223,7 @@ TEST(clusters_know_the_bounds_of_a_scene) {
     static float positions[3 * VERTICES];
     static uint32_t indices[3 * TRIANGLES];
     test_random random = {11};
-    shb_context *context = make_context();
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     for (int round = 0; round < 40; round++) {
         for (int i = 0; i < 3 * VERTICES; i++)
             positions[i] = (float)random_double(&random, -3, round % 2 ? 5 : 1);
@@ -260,7 +254,7 @@ TEST(clusters_know_the_bounds_of_a_scene) {
 }
 
 TEST(a_mesh_without_triangles_has_no_clusters) {
-    shb_context *context = make_context();
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     const shb_mesh mesh = {0};
     shb_clusters *clusters = NULL;
     CHECK_INT(shb_clusters_create(context, &mesh, &clusters), SHB_OK);
@@ -271,7 +265,7 @@ TEST(a_mesh_without_triangles_has_no_clusters) {
 }
 
 TEST(clusters_refuse_what_is_no_mesh) {
-    shb_context *context = make_context();
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     const uint32_t indices[3] = {0, 1, 3};
     const shb_mesh fine = {.positions = positions, .vertex_count = 3, .triangle_count = 1};
@@ -299,7 +293,7 @@ TEST(clusters_refuse_what_is_no_mesh) {
 }
 
 TEST(clusters_of_another_mesh_are_refused) {
-    shb_context *context = make_context();
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     shuffled_grid grid = make_grid(4, 4, NULL);
     shb_clusters *clusters = NULL;
     CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
@@ -369,7 +363,7 @@ static bool draw_without_memory(const shb_scene *scene, const shb_view *view, si
 }
 
 TEST(drawing_clusters_fails_cleanly_wherever_memory_is_out) {
-    shb_context *context = make_context();
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     shuffled_grid grid = make_grid(16, 16, NULL);
     shb_clusters *clusters = NULL;
     CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);

@@ -1,5 +1,6 @@
 /* Images of a host that are drawn again and again with marks: what one drawing leaves must not be
  * seen in the next. */
+#include "contexts.h"
 #include "probe.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -153,8 +154,7 @@ TEST(marked_images_are_cleared_where_they_were_drawn_in) {
                           .depth = {.texels = depths},
                           .clear_marks = marks,
                           .clear_marks_size = size};
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
     CHECK(depths[15][0] == 0.5f && depths[15][31] == 1.0f);
     desc.scene = &empty;

@@ -1,5 +1,6 @@
 /* The exact method where every constant bias fails: wedges, narrow gaps, and worlds of any scale.
  */
+#include "contexts.h"
 #include "random.h"
 #include "soup.h"
 #include "test.h"
@@ -37,7 +38,7 @@ static void ask(const exact_mode *mode, const shb_view *view, uint32_t size, con
         .view = *view, .width = size, .occluders = mode->occluders, .classifies = mode->classifies};
     const shb_points points = {.count = count, .positions = positions, .normals = normals};
     const shb_bias exact = shb_bias_exact();
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
     CHECK_INT(shb_map_draw(map, scene, NULL, NULL), SHB_OK);
     CHECK_INT(shb_map_visibility(map, &points, &exact, NULL, visibility), SHB_OK);

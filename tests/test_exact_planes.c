@@ -3,6 +3,7 @@
 #include "../src/format.h"
 #include "../src/half.h"
 #include "../src/occluders.h"
+#include "contexts.h"
 #include "isas.h"
 #include "probe.h"
 #include "random.h"
@@ -295,7 +296,7 @@ TEST(maps_of_planes_are_the_same_by_every_instruction_set_and_number_of_threads)
     shb_clusters *clusters = NULL;
     add_clutter(&s);
     soup_scene(&s);
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_clusters_create(context, &s.mesh, &clusters), SHB_OK);
     for (int i = 0; i < 4; i++) {
         shb_map_desc desc = {.width = WIDTH, .height = HEIGHT, .occluders = SHB_OCCLUDERS_PLANES};

@@ -1,4 +1,5 @@
 /* The exact method on maps that keep triangles: equal to the truth, shadow boundaries included. */
+#include "contexts.h"
 #include "measure.h"
 #include "probe.h"
 #include "random.h"
@@ -24,7 +25,7 @@ static shb_errors errors_of(const char *name, scene_light_kind light, uint32_t s
     const shb_bias exact = shb_bias_exact();
     measure_result measured = {0};
     CHECK(scene_open(name, &scene, error, sizeof error));
-    CHECK(!shb_context_create(NULL, &context));
+    context = test_context(0, SHB_ISA_BEST);
     CHECK(!scene_light_view(scene, light, size, reversed, &desc.view));
     CHECK(!shb_map_create(context, &desc, &map));
     CHECK(!measure_frame_create(context, scene, 200, 150, &frame));
@@ -101,7 +102,7 @@ typedef struct asked {
 static asked open_map(const shb_view *view, uint32_t size, const shb_scene *scene) {
     asked made;
     const shb_map_desc desc = {.view = *view, .width = size, .occluders = SHB_OCCLUDERS_TRIANGLES};
-    CHECK(!shb_context_create(NULL, &made.context));
+    made.context = test_context(0, SHB_ISA_BEST);
     CHECK(!shb_map_create(made.context, &desc, &made.map));
     CHECK(!shb_map_draw(made.map, scene, NULL, NULL));
     return made;

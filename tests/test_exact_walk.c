@@ -3,6 +3,7 @@
  * 2 i, which has its first point at y = -0.9, and 2 i + 1. */
 #include "../src/exact_sheet.h"
 #include "../src/exact_walk.h"
+#include "contexts.h"
 #include "probe.h"
 #include "random.h"
 #include "soup.h"
@@ -37,7 +38,7 @@ static void add_segment(soup *s, profile_point a, profile_point b, bool is_turne
 static void draw(ribbon *r) {
     const shb_map_desc desc = {
         .view = probe_orthographic(false), .width = SIZE, .occluders = SHB_OCCLUDERS_TRIANGLES};
-    CHECK_INT(shb_context_create(NULL, &r->context), SHB_OK);
+    r->context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_map_create(r->context, &desc, &r->map), SHB_OK);
     CHECK_INT(shb_map_draw(r->map, soup_scene(&r->s), NULL, NULL), SHB_OK);
 }

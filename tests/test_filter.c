@@ -1,4 +1,5 @@
 /* The hard filter and the texels under it: wrapped arrays with known contents. */
+#include "contexts.h"
 #include "probe.h"
 #include "test.h"
 
@@ -16,7 +17,7 @@ typedef struct host_map {
 
 static void open_map(host_map *host, shb_view view, shb_format format) {
     memset(host->texels, 0xa5, sizeof host->texels);
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &host->context), SHB_OK);
+    host->context = test_context(1, SHB_ISA_BEST);
     const shb_map_desc desc = {.view = view, .width = WIDTH, .height = HEIGHT, .format = format};
     CHECK_INT(shb_map_wrap(host->context, &desc, host->texels, 64, NULL, &host->map), SHB_OK);
 }

@@ -1,3 +1,4 @@
+#include "contexts.h"
 #include "isas.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -24,9 +25,7 @@ typedef struct scene_case {
 
 static picture draw_picture(const scene_case *drawn, shb_isa isa, uint32_t threads,
                             uint32_t tile_size) {
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.max_isa = isa, .threads = threads}, &context),
-              SHB_OK);
+    shb_context *context = test_context(threads, isa);
     const size_t count = (size_t)drawn->width * drawn->height;
     picture made = {
         malloc(count * 4), malloc(count * 4), malloc(count * 4), malloc(count * 2), {0}};
@@ -94,7 +93,7 @@ typedef struct clustered_case {
 
 static void add_clusters(const scene_case *drawn, clustered_case *made) {
     *made = (clustered_case){.drawn = *drawn};
-    CHECK_INT(shb_context_create(NULL, &made->context), SHB_OK);
+    made->context = test_context(0, SHB_ISA_BEST);
     for (size_t i = 0; i < drawn->scene.instance_count; i++) {
         made->instances[i] = drawn->scene.instances[i];
         made->meshes[i] = *made->instances[i].mesh;

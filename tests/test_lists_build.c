@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "contexts.h"
 #include "probe.h"
 #include "test.h"
 
@@ -139,8 +140,7 @@ TEST(lists_do_not_depend_on_the_instruction_set) {
         soup_add_random(&s, &random, i % 50 == 0 ? 0.9 : 0.05);
     const shb_view view = lists_view(&lists_spot, (shb_box){{-2, -2, -2}, {2, 2, 2}}, 300, true);
     shb_context *best = lists_context(1), *scalar = NULL;
-    const shb_context_desc desc = {.threads = 1, .max_isa = SHB_ISA_SCALAR};
-    CHECK_INT(shb_context_create(&desc, &scalar), SHB_OK);
+    scalar = test_context(1, SHB_ISA_SCALAR);
     shb_lists *a = lists_of(best, &view, 300, soup_scene(&s));
     shb_lists *b = lists_of(scalar, &view, 300, soup_scene(&s));
     CHECK(lists_equal(a, b));

@@ -1,6 +1,7 @@
 /* Maps that are drawn again and again: what one drawing leaves must not be seen in the next. */
 #include "../src/occluders.h"
 
+#include "contexts.h"
 #include "probe.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -57,9 +58,7 @@ static void draw_again(shb_context *context, const shb_map_desc *desc, shb_map *
 
 static void check_map(uint32_t threads, shb_isa isa, uint32_t width, int drawings,
                       test_random *random) {
-    const shb_context_desc context_desc = {.threads = threads, .max_isa = isa};
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(&context_desc, &context), SHB_OK);
+    shb_context *context = test_context(threads, isa);
     for (int kind = 0; kind < 12; kind++) {
         const bool reversed = kind / 3 % 2;
         const shb_map_desc desc = {.view = kind < 6 ? probe_orthographic(reversed)

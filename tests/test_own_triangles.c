@@ -1,5 +1,6 @@
 /* Points that come with their triangles and weights: the exact method answers for the points that
  * these name, wherever floats would have moved them. */
+#include "contexts.h"
 #include "probe.h"
 #include "random.h"
 #include "scenes.h"
@@ -55,7 +56,7 @@ static named_points *points_of(const shb_scene *scene, const shb_view *view, uin
     shb_context *context = NULL;
     shb_reference *reference = NULL;
     shb_light_source light;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_reference_create(context, scene, &reference), SHB_OK);
     CHECK_INT(shb_view_light_source(view, &light), SHB_OK);
     CHECK_INT(shb_reference_occluded(reference, &light, COUNT, exact, p->ids, p->occluded), SHB_OK);
@@ -121,8 +122,7 @@ static wrong_answers ask_far_ball(float away, shb_occluders occluders, bool clas
     const shb_map_desc desc = {
         .view = sun_over(scene), .width = 256, .occluders = occluders, .classifies = classifies};
     named_points *p = points_of(scene, &desc.view, seed);
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     shb_map *map = map_of(context, &desc, scene);
     const wrong_answers named = ask(map, p, true), plain = ask(map, p, false);
     CHECK(away < 1e5f || plain.shadow + plain.light > 10);
@@ -163,8 +163,7 @@ TEST(named_points_of_a_house_answer_as_rays) {
     shb_view view;
     CHECK_INT(scene_light_view(house, SCENE_DIRECTIONAL, 256, false, &view), SHB_OK);
     named_points *p = points_of(&house->scene, &view, 43);
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     shb_map *map = map_of(
         context, &(shb_map_desc){.view = view, .width = 256, .occluders = SHB_OCCLUDERS_LISTS},
         &house->scene);
@@ -354,7 +353,7 @@ static int count_wrong(const shb_scene *scene, const shb_view *view, const seen_
     shb_light_source light;
     int wrong = 0;
     *asked_pixels = 0;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_reference_create(context, scene, &reference), SHB_OK);
     CHECK_INT(shb_view_light_source(view, &light), SHB_OK);
     for (int i = 0; i < FRAME * FRAME; i++) {
@@ -390,7 +389,7 @@ static int shade_wrong(const shb_scene *frame_scene, const shb_scene *scene, flo
     shb_context *context = NULL;
     CHECK_INT(shb_view_perspective(eye, middle, (shb_vec3){0, 0, 1}, 0.8, 1, 1, 30, false, &camera),
               SHB_OK);
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    context = test_context(0, SHB_ISA_BEST);
     shb_map *map =
         map_of(context,
                &(shb_map_desc){.view = sun, .width = 256, .occluders = SHB_OCCLUDERS_LISTS}, scene);

@@ -2,6 +2,7 @@
  * scene should have. */
 #include "../src/poisson.h"
 
+#include "contexts.h"
 #include "isas.h"
 #include "probe.h"
 #include "random.h"
@@ -33,8 +34,7 @@ static float random_depth(test_random *random) {
 static asked_map open_map(shb_isa isa, shb_view view, shb_format format, uint32_t width,
                           uint32_t height) {
     asked_map made;
-    const shb_context_desc desc = {.max_isa = isa, .threads = 1};
-    CHECK_INT(shb_context_create(&desc, &made.context), SHB_OK);
+    made.context = test_context(1, isa);
     const size_t texel = format == SHB_FORMAT_UNORM16 ? 2 : 4;
     made.texels = malloc(texel * width * height); /* no byte beyond the last row */
     test_random random = {width + 3 * height};

@@ -1,4 +1,5 @@
 /* Percentage-closer soft shadows: penumbras worked out on paper, and a slow search in double. */
+#include "contexts.h"
 #include "oracle.h"
 #include "probe.h"
 #include "random.h"
@@ -21,7 +22,7 @@ typedef struct host_map {
 static host_map open_map(shb_view view, uint32_t width, uint32_t height) {
     host_map host = {.width = width, .height = height, .reversed = view.reversed, .texels = NULL};
     host.texels = malloc((size_t)width * height * sizeof *host.texels);
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &host.context), SHB_OK);
+    host.context = test_context(1, SHB_ISA_BEST);
     const shb_map_desc desc = {.view = view, .width = width, .height = height, .scene_scale = 1};
     CHECK_INT(shb_map_wrap(host.context, &desc, host.texels, 0, NULL, &host.map), SHB_OK);
     return host;

@@ -1,5 +1,6 @@
 /* Filters over moments on maps of every kind: formats, tilted planes, threads, memory. */
 #include "allocator.h"
+#include "contexts.h"
 #include "depth_map.h"
 #include "isas.h"
 #include "probe.h"
@@ -135,7 +136,7 @@ static double darkest_on_plane(const shb_view *view, double slope, const shb_fil
     shb_map *map = NULL;
     const shb_bias adaptive = shb_bias_adaptive(1e-4f, 0);
     const shb_points points = {.count = POINTS, .positions = positions, .normals = normals};
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_map_create(context, &(shb_map_desc){.view = *view, .width = 128}, &map), SHB_OK);
     CHECK_INT(shb_map_draw(map, soup_scene(&scene), &adaptive, NULL), SHB_OK);
     CHECK_INT(shb_map_prepare(map, filter), SHB_OK);

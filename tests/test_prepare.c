@@ -1,4 +1,5 @@
 /* What filters make of a map before it is asked: made once, found again, freed once. */
+#include "contexts.h"
 #include "probe.h"
 #include "test.h"
 
@@ -16,7 +17,7 @@ typedef struct host {
 static void open_host(host *h) {
     *h = (host){0};
     const shb_map_desc desc = {.view = probe_orthographic(false), .width = SIZE};
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &h->context), SHB_OK);
+    h->context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_map_wrap(h->context, &desc, h->texels, 0, NULL, &h->map), SHB_OK);
 }
 
@@ -152,7 +153,7 @@ TEST(a_filter_that_needs_preparation_is_refused_without_it) {
 static void open_drawn_host(host *h) {
     *h = (host){0};
     const shb_map_desc desc = {.view = probe_orthographic(false), .width = SIZE};
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &h->context), SHB_OK);
+    h->context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_map_create(h->context, &desc, &h->map), SHB_OK);
 }
 

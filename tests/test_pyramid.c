@@ -2,6 +2,7 @@
 #include "../src/pyramid.h"
 
 #include "allocator.h"
+#include "contexts.h"
 #include "probe.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -31,7 +32,7 @@ static void put(void *texels, shb_format format, size_t i, double depth) {
 static pyramid_case open_case(uint32_t width, uint32_t height, shb_format format, bool reversed,
                               uint32_t threads) {
     pyramid_case made = {0};
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = threads}, &made.context), SHB_OK);
+    made.context = test_context(threads, SHB_ISA_BEST);
     const shb_map_desc desc = {
         .view = probe_orthographic(reversed), .width = width, .height = height, .format = format};
     made.texels = calloc((size_t)width * height, shb_format_size(format));

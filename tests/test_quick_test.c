@@ -2,6 +2,7 @@
 #include "../src/context.h"
 #include "../src/kernels/shade.h"
 
+#include "contexts.h"
 #include "isas.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -115,16 +116,9 @@ static shb_bias make_bias(int number, double scale) {
     }
 }
 
-static shb_context *new_context(shb_isa isa) {
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.max_isa = isa, .threads = 1}, &context),
-              SHB_OK);
-    return context;
-}
-
 /* All views and methods; nothing is changed by where the scene lies and how large it is. */
 static void check_place(shb_isa isa, shb_vec3 center, double scale) {
-    shb_context *context = new_context(isa);
+    shb_context *context = test_context(1, isa);
     quick_case *c = malloc(sizeof *c);
     test_random random = {31};
     for (int kind = 0; kind < VIEWS; kind++) {
@@ -176,7 +170,7 @@ TEST(quick_test_says_what_doubles_say_of_numbers_that_are_none) {
     for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
          isa = test_isa_after(isa))
         for (int kind = 0; kind < VIEWS; kind++) {
-            shb_context *context = new_context(isa);
+            shb_context *context = test_context(1, isa);
             shb_map_desc desc = {.width = MAP};
             shb_map *map = NULL;
             CHECK_INT(make_view(kind, (shb_vec3){0, 0, 0}, 1, &desc.view), SHB_OK);
@@ -206,7 +200,7 @@ TEST(quick_test_is_sure_of_nearly_all_fragments) {
     for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
          isa = test_isa_after(isa))
         for (int kind = 0; kind < 4; kind++) {
-            shb_context *context = new_context(isa);
+            shb_context *context = test_context(1, isa);
             shb_map_desc desc = {.width = 1024};
             shb_map *map = NULL;
             CHECK_INT(make_view(kind, (shb_vec3){300, 0, 0}, 1, &desc.view), SHB_OK);

@@ -1,4 +1,5 @@
 #include "allocator.h"
+#include "contexts.h"
 #include "random.h"
 #include "target.h"
 #include "test.h"
@@ -139,8 +140,7 @@ TEST(wrong_scenes_are_refused) {
 
 TEST(null_pointers_are_refused) {
     drawing *d = make_drawing();
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    shb_context *context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_draw(NULL, &d->desc, NULL), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_draw(context, NULL, NULL), SHB_ERROR_ARGUMENT);
     CHECK(is_untouched(&d->target));

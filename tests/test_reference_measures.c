@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "contexts.h"
 #include "soup.h"
 #include "test.h"
 
@@ -72,7 +73,7 @@ static wall make_wall(void) {
                   (float[3]){-20, 20, 0});
     soup_add_quad(&w.soup, (float[3]){0, -15, 0}, (float[3]){0, 15, 0}, (float[3]){0, 15, 8},
                   (float[3]){0, -15, 8});
-    CHECK_INT(shb_context_create(NULL, &w.context), SHB_OK);
+    w.context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_reference_create(w.context, soup_scene(&w.soup), &w.reference), SHB_OK);
     CHECK_INT(shb_view_orthographic((shb_vec3){30, 0, 40}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0},
                                     16, 16, 0, 100, false, &w.light),

@@ -1,3 +1,4 @@
+#include "contexts.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "test.h"
@@ -96,10 +97,7 @@ static void check_hashes(shb_view view, uint64_t drawing, uint64_t visibility) {
     const shb_scene scene = {instances, 2};
     const shb_isa sets[] = {SHB_ISA_BEST, SHB_ISA_SCALAR, SHB_ISA_SSE2};
     for (uint32_t i = 0; i < 3; i++) {
-        shb_context *context = NULL;
-        CHECK_INT(
-            shb_context_create(&(shb_context_desc){.max_isa = sets[i], .threads = i + 1}, &context),
-            SHB_OK);
+        shb_context *context = test_context(i + 1, sets[i]);
         const uint64_t drawn = hash_drawing(context, &scene, &view);
         const uint64_t seen = hash_visibility(context, &scene, &view);
         test_check(drawn == drawing, __FILE__, __LINE__, "drawing hashes to 0x%llx",

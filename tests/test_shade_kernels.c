@@ -2,6 +2,7 @@
 #include "../src/context.h"
 #include "../src/surface.h"
 
+#include "contexts.h"
 #include "depth_map.h"
 #include "isas.h"
 #include "random.h"
@@ -182,9 +183,7 @@ TEST(shade_kernels_constant_units_give_scalar_bits) {
 /* Texels of the map and two around it. */
 TEST(shade_kernels_fetch_far_depth_outside_the_map) {
     for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa)) {
-        shb_context *context;
-        const shb_context_desc desc = {.max_isa = isa, .threads = 1};
-        CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+        shb_context *context = test_context(1, isa);
         shb_map_desc map_desc = {.width = 8, .height = 8};
         const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
         CHECK_INT(shb_view_fit_directional((shb_vec3){0, 0, 1}, box, 8, false, &map_desc.view),
@@ -269,8 +268,7 @@ static frame_case *new_frame(bool has_normals) {
     CHECK_INT(shb_view_perspective((shb_vec3){0.3, 0.2, 2}, (shb_vec3){0, 0, 0},
                                    (shb_vec3){0, 1, 0}, 1, 2, 0.01, 100, false, &f->view),
               SHB_OK);
-    shb_context *context;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     const shb_draw_desc draw = {
         .view = &f->view, .scene = &f->scene, .width = WIDTH, .height = HEIGHT, .ids = f->ids};
     CHECK_INT(shb_draw(context, &draw, NULL), SHB_OK);
@@ -319,9 +317,7 @@ static frame_outcome *shade_frame(const frame_case *f, shb_isa isa, uint32_t thr
     const shb_shade_light lights[2] = {
         {.map = sun.map, .bias = &adaptive, .color = {1, 0.5f, 2}},
         {.map = spot.map, .bias = &offset, .color = {0.2f, 0.9f, 0}}};
-    shb_context *context;
-    const shb_context_desc desc = {.max_isa = isa, .threads = threads};
-    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+    shb_context *context = test_context(threads, isa);
     const shb_shade_desc shade = {
         .frame = f->frame,
         .lights = lights,

@@ -1,5 +1,6 @@
 /* Certain answers: never wrong, whatever the scene, and as many as the scene allows. */
 #include "../src/map.h"
+#include "contexts.h"
 #include "isas.h"
 #include "list_samples.h"
 #include "probe.h"
@@ -353,9 +354,7 @@ TEST(sheets_are_the_same_for_every_instruction_set_and_any_threads) {
     for (int i = 0; i < 100; i++)
         soup_add_random(&s, &random, 0.3);
     soup_add_box(&s, (float[]){-3, -3, 0}, (float[]){3, 3, 1.2f});
-    shb_context *scalar = NULL;
-    const shb_context_desc desc = {.threads = 1, .max_isa = SHB_ISA_SCALAR};
-    CHECK_INT(shb_context_create(&desc, &scalar), SHB_OK);
+    shb_context *scalar = test_context(1, SHB_ISA_SCALAR);
     for (int kind = 0; kind < 4; kind++) {
         const shb_view view = probe_perspective(kind % 2);
         const bool with_lists = kind >= 2;

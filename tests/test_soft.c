@@ -2,6 +2,7 @@
 #include "scenes.h"
 #include "soft.h"
 
+#include "contexts.h"
 #include "test.h"
 
 #include <math.h>
@@ -20,7 +21,7 @@ typedef struct setting {
 /* Frames point into themselves: the setting must not move. */
 static void open_setting(setting *s) {
     char error[256];
-    CHECK_INT(shb_context_create(NULL, &s->context), SHB_OK);
+    s->context = test_context(0, SHB_ISA_BEST);
     CHECK(scene_open("box", &s->scene, error, sizeof error));
     CHECK_INT(measure_frame_create(s->context, s->scene, WIDTH, HEIGHT, &s->frame), SHB_OK);
     CHECK_INT(scene_light_view(s->scene, SCENE_SPOT, 64, true, &s->light), SHB_OK);

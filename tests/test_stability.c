@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "contexts.h"
 #include "stability/boxes.h"
 #include "stability/heat_map.h"
 #include "stability/report.h"
@@ -11,13 +12,6 @@
 #include "test.h"
 
 enum { WIDTH = 160, HEIGHT = 120 };
-
-static shb_context *create_context(void) {
-    shb_context *context = NULL;
-    const shb_context_desc desc = {.threads = 2};
-    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
-    return context;
-}
 
 /* Errors of a method in a case, by default. */
 static shb_errors errors_in(stability_stage *stage, const char *name) {
@@ -43,7 +37,7 @@ static stability_case case_of(const char *name) {
 TEST(lone_planes_get_no_false_shadow_from_methods_that_know_their_slope) {
     static const char *const methods[] = {"adaptive",     "adaptive-soft",   "receiver-plane",
                                           "exact-planes", "exact-triangles", "exact-lists"};
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     for (size_t i = 0; stability_case_at(i); i++) {
         if (strncmp(stability_case_at(i)->name, "plane-", 6) != 0)
             continue;
@@ -61,7 +55,7 @@ TEST(lone_planes_get_no_false_shadow_from_methods_that_know_their_slope) {
 
 /* Half of the fragments lie behind the centre of their texel, as the light sees it. */
 TEST(without_bias_half_of_a_lone_plane_is_in_false_shadow) {
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     const stability_case c = case_of("plane-45");
     stability_stage stage = stage_of(context, &c);
     const shb_errors errors = errors_in(&stage, "none");
@@ -73,7 +67,7 @@ TEST(without_bias_half_of_a_lone_plane_is_in_false_shadow) {
 
 /* A power of two scales every number without rounding. */
 TEST(a_scale_of_a_power_of_two_changes_no_count_of_errors) {
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     stability_case small = case_of("scale-1"), large = small;
     small.scale = 0x1p-12;
     large.scale = 0x1p20;
@@ -96,7 +90,7 @@ TEST(a_scale_of_a_power_of_two_changes_no_count_of_errors) {
 
 /* The gap is 1e-5 of a scene 2.8 wide; a bias of 0.002 of a depth range above 1 is far more. */
 TEST(a_constant_bias_loses_a_narrow_gap_that_lists_keep) {
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     const stability_case c = case_of("gap-1e-5");
     stability_stage stage = stage_of(context, &c);
     const shb_errors lost = errors_in(&stage, "constant");
@@ -112,7 +106,7 @@ TEST(a_constant_bias_loses_a_narrow_gap_that_lists_keep) {
 /* At 10^7 units from the origin float positions are half a unit apart, in a scene of 3 units. */
 TEST(lists_have_no_errors_at_all_where_points_are_named_by_triangle_and_weights) {
     static const char *const names[] = {"moved-1e7", "relief-0.1", "needles", "foliage"};
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const stability_case c = case_of(names[i]);
         stability_stage stage = stage_of(context, &c);
@@ -128,7 +122,7 @@ TEST(lists_have_no_errors_at_all_where_points_are_named_by_triangle_and_weights)
 }
 
 TEST(maps_have_the_size_of_their_case_before_that_of_the_options) {
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     const stability_case own = case_of("map-size-64"), any = case_of("plane-45");
     stability_stage stage;
     CHECK_INT(stability_stage_open(context, &own, 16, 12, 128, 1, &stage), SHB_OK);
@@ -147,7 +141,7 @@ TEST(maps_have_the_size_of_their_case_before_that_of_the_options) {
 TEST(lists_have_no_errors_away_from_boundaries) {
     static const char *const names[] = {"corner", "stair-sheet-600", "wall-0.1", "wedge-1",
                                         "slivers"};
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const stability_case c = case_of(names[i]);
         stability_stage stage = stage_of(context, &c);
@@ -166,7 +160,7 @@ static uint64_t wrong(const shb_errors *errors) {
 }
 
 TEST(tuning_finds_a_better_parameter) {
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     const stability_case c = case_of("relief-1");
     stability_stage stage = stage_of(context, &c);
     listed_method method;
@@ -295,7 +289,7 @@ static box_row box_row_of(shb_context *context, const char *name, const char *me
 /* Without bias half of the taps on a lone plane are in false shadow, and nearly every fragment has
  * some of them; with the plane in every tap none is. */
 TEST(boxes_are_judged_by_the_mean_error_of_lit_fragments) {
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     const box_row none = box_row_of(context, "plane-45", "none", 5);
     const box_row plane = box_row_of(context, "plane-45", "exact-planes", 5);
     CHECK(none.lit > 1000 && none.lit == plane.lit && none.shadowed == 0);
@@ -307,7 +301,7 @@ TEST(boxes_are_judged_by_the_mean_error_of_lit_fragments) {
 
 /* Sheets all of which lie in the light, where adaptive shadows more than a tenth. */
 static void check_sheets(const char *const names[], int count, const char *method, double most) {
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     for (int i = 0; i < count; i++) {
         const box_row adaptive = box_row_of(context, names[i], "adaptive", 5);
         const box_row row = box_row_of(context, names[i], method, 5);
@@ -332,7 +326,7 @@ TEST(exact_boxes_by_planes_leave_most_of_a_sheet_in_its_own_light) {
 /* Two sheets one above the other have no planes that meet, however small the gap. */
 TEST(exact_boxes_by_planes_keep_the_shadows_of_sheets_that_lie_close) {
     static const char *const names[] = {"gap-1e-2", "gap-1e-4", "contact-1e-3"};
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     for (int i = 0; i < 3; i++) {
         const box_row planes = box_row_of(context, names[i], "exact-planes", 5);
         CHECK(planes.shadowed > 500 && planes.shadowed_error == 0);
@@ -342,7 +336,7 @@ TEST(exact_boxes_by_planes_keep_the_shadows_of_sheets_that_lie_close) {
 
 /* Larger boxes leave less that is far from silhouettes. */
 TEST(boxes_are_judged_where_no_silhouette_is_in_them) {
-    shb_context *context = create_context();
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     const box_row small = box_row_of(context, "scale-1", "exact-triangles", 3);
     const box_row large = box_row_of(context, "scale-1", "exact-triangles", 31);
     CHECK(large.lit > 1000 && large.lit < small.lit);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "random.h"
+#include "target.h"
 #include "test.h"
 
 /* Looks along -z from the origin with an opening of 90 degrees both ways: clip = (x, y, ., -z). */
@@ -14,18 +15,6 @@ static shb_view pinhole(void) {
     view.clip_from_world.m[0] = view.clip_from_world.m[5] = 1;
     view.clip_from_world.m[10] = view.clip_from_world.m[11] = -1;
     view.clip_from_world.m[14] = -1;
-    return view;
-}
-
-/* World x and y are pixel columns and rows of a 128 x 128 image; z goes away from the camera. */
-static shb_view pixel_space(void) {
-    shb_view view = {{{0}}, false};
-    view.clip_from_world.m[0] = 2.0 / 128;
-    view.clip_from_world.m[12] = -1;
-    view.clip_from_world.m[5] = -2.0 / 128;
-    view.clip_from_world.m[13] = 1;
-    view.clip_from_world.m[10] = 1;
-    view.clip_from_world.m[15] = 1;
     return view;
 }
 
@@ -64,7 +53,7 @@ TEST(surface_weights_are_affine_in_an_orthographic_view) {
     /* The right angle lies at (0, 0), the legs are 64 pixels long: at the centre of pixel (8, 16)
      * the weights are 8.5 / 64 and 16.5 / 64, whatever the depths of the corners. */
     const float corners[9] = {0, 0, 0.5f, 64, 0, 0.25f, 0, 64, 0.125f};
-    const shb_view view = pixel_space();
+    const shb_view view = test_pixel_view(128, 128);
     shb_surface_triangle triangle;
     CHECK(prepare(corners, &view, &triangle));
     double weights[3];
@@ -228,13 +217,13 @@ TEST(surface_centre_outside_a_sliver_gives_the_nearest_point_of_its_edge) {
      * column 0 to 100; the triangle is 1/1024 pixel high. Clamped weights would land 23 columns
      * off. */
     const float sliver[9] = {0, 40.50390625f, 0, 100, 40.50390625f, 1, 50, 40.5048828125f, 0};
-    const shb_view view = pixel_space();
+    const shb_view view = test_pixel_view(128, 128);
     check_every_order(&view, sliver, 20.5, 40.50390625, 0.205);
 }
 
 TEST(surface_centre_outside_a_corner_gives_the_corner) {
     const float corner[9] = {20.501953125f, 40.501953125f, 0.5f, 60, 70, 0, 50, 90, 0};
-    const shb_view view = pixel_space();
+    const shb_view view = test_pixel_view(128, 128);
     check_every_order(&view, corner, 20.501953125, 40.501953125, 0.5);
 }
 
@@ -254,7 +243,7 @@ TEST(surface_nearest_point_is_measured_in_pixels_of_an_oblong_image) {
     /* In an image of 128 x 64 the centre (20.5, 40.5) lies (1/8, -1/8) pixel before an edge that
      * runs down to the right at 45 degrees, at a quarter of its length. */
     const float corners[9] = {10.625f, 30.375f, 0, 50.625f, 70.375f, 1, 60, 30, 0};
-    shb_view view = pixel_space();
+    shb_view view = test_pixel_view(128, 128);
     view.clip_from_world.m[5] = -2.0 / 64;
     shb_surface_triangle triangle;
     CHECK(prepare(corners, &view, &triangle));
@@ -266,7 +255,7 @@ TEST(surface_nearest_point_is_measured_in_pixels_of_an_oblong_image) {
 TEST(surface_triangle_seen_from_its_edge_gives_the_nearest_point) {
     /* The triangle lies in the plane x = 20 pixels: a line of the screen from row 30 to row 50. */
     const float corners[9] = {20, 30, 0, 20, 50, 0, 20, 40, 0.5f};
-    const shb_view view = pixel_space();
+    const shb_view view = test_pixel_view(128, 128);
     shb_surface_triangle triangle;
     CHECK(prepare(corners, &view, &triangle));
     double weights[3];

@@ -2,6 +2,7 @@
  * world, against the plane's steps over texels. */
 #include "../src/taps.h"
 
+#include "contexts.h"
 #include "probe.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -76,7 +77,7 @@ static comparison compare(shb_view view, const shb_bias *bias) {
     const shb_map_desc desc = {.view = view, .width = 256, .height = 128};
     shb_context *context;
     shb_map *map;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
     CHECK_INT(shb_map_visibility(map, &points, bias, &filter, visibility), SHB_OK);
     shb_map_destroy(map);
@@ -110,7 +111,7 @@ TEST(naive_taps_clear_a_slope_that_the_own_bias_does_not) {
     const shb_points points = {.count = 1, .positions = position, .normals = normal};
     shb_context *context;
     shb_map *map;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
     CHECK_INT(shb_map_draw(map, &scene, NULL, NULL), SHB_OK);
     float seen[3];

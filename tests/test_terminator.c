@@ -1,6 +1,7 @@
 /* The terminator of smooth surfaces: points moved out to them, and what low-poly balls look like.
  */
 #include "../src/terminator.h"
+#include "contexts.h"
 #include "shapes.h"
 #include "test.h"
 
@@ -100,7 +101,7 @@ static tally shade_mesh(const shb_mesh *mesh, shb_occluders occluders, const shb
         .view = &camera, .scene = &scene, .width = FRAME, .height = FRAME, .ids = ids};
     shb_context *context;
     shb_map *map;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_map_create(context, &map_desc, &map), SHB_OK);
     CHECK_INT(shb_map_draw(map, &scene, bias, NULL), SHB_OK);
     CHECK_INT(shb_draw(context, &draw, NULL), SHB_OK);
@@ -276,7 +277,7 @@ TEST(a_smooth_terminator_lights_nothing_below_a_roof) {
             .view = &view, .scene = &seen_scene, .width = FRAME, .height = FRAME, .ids = ids};
         shb_context *context;
         shb_map *map;
-        CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+        context = test_context(1, SHB_ISA_BEST);
         CHECK_INT(shb_map_create(context, &map_desc, &map), SHB_OK);
         CHECK_INT(shb_map_draw(map, &both, &exact, NULL), SHB_OK);
         CHECK_INT(shb_draw(context, &draw, NULL), SHB_OK);

@@ -3,6 +3,7 @@
 #include "scenes.h"
 #include "sheet.h"
 
+#include "contexts.h"
 #include "test.h"
 
 #include <math.h>
@@ -110,7 +111,7 @@ TEST(measure_frame_holds_the_fragments_of_covered_pixels) {
     shb_context *context = NULL;
     measure_frame frame;
     CHECK(scene_open("l-shape", &scene, error, sizeof error));
-    CHECK(!shb_context_create(NULL, &context));
+    context = test_context(0, SHB_ISA_BEST);
     CHECK(!measure_frame_create(context, scene, 80, 50, &frame));
     size_t covered = 0;
     for (size_t i = 0; i < 80 * 50; i++)
@@ -151,7 +152,7 @@ static void open_box(box_picture *box) {
     *box = (box_picture){0};
     shb_map_desc desc = {.width = 256};
     CHECK(scene_open("box", &box->scene, error, sizeof error));
-    CHECK(!shb_context_create(NULL, &box->context));
+    box->context = test_context(0, SHB_ISA_BEST);
     CHECK(!scene_light_view(box->scene, SCENE_DIRECTIONAL, 256, false, &desc.view));
     CHECK(!shb_map_create(box->context, &desc, &box->map));
     CHECK(!measure_frame_create(box->context, box->scene, 160, 100, &box->frame));

@@ -1,5 +1,6 @@
 /* What tells one scene from another, and which vertices are one. */
 #include "../src/topology.h"
+#include "contexts.h"
 #include "test.h"
 
 #include <math.h>
@@ -82,7 +83,7 @@ TEST(vertices_at_either_zero_are_one) {
     const shb_instance instance = {.mesh = &mesh};
     shb_context *context;
     shb_topology topology;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    context = test_context(1, SHB_ISA_BEST);
     CHECK(shb_topology_make(context, &(shb_scene){&instance, 1}, 5, &topology));
     CHECK_INT(topology.vertex_count, 4);
     CHECK_INT(topology.neighbours[0][0], SHB_ID_NONE);
@@ -103,7 +104,7 @@ TEST(topologies_of_too_many_triangles_are_refused) {
     const shb_topology empty = {0};
     shb_context *context;
     shb_topology topology;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    context = test_context(1, SHB_ISA_BEST);
     CHECK(!shb_topology_make(context, &(shb_scene){&instance, 1}, 5, &topology));
     CHECK(memcmp(&topology, &empty, sizeof empty) == 0);
     shb_context_destroy(context);

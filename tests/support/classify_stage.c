@@ -3,12 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "contexts.h"
 #include "test.h"
 
 stage stage_with_map(const shb_scene *scene, shb_view camera, shb_view light, uint32_t width,
                      uint32_t height) {
     stage s = {.camera = camera, .scene = scene};
-    CHECK_INT(shb_context_create(NULL, &s.context), SHB_OK);
+    s.context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_reference_create(s.context, scene, &s.reference), SHB_OK);
     const shb_map_desc map = {.view = light, .width = width, .height = height};
     CHECK_INT(shb_map_create(s.context, &map, &s.map), SHB_OK);

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "contexts.h"
 #include "test.h"
 
 enum { WIDTH = 160, HEIGHT = 120 };
@@ -18,7 +19,7 @@ static void take_mesh(example_scene *scene, owned_mesh *mesh) {
 
 void overhead_open(overhead *o, owned_mesh *seen, owned_mesh *unseen, uint32_t map_size) {
     *o = (overhead){.scene = calloc(1, sizeof *o->scene), .map = {.width = map_size}};
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 2}, &o->context), SHB_OK);
+    o->context = test_context(2, SHB_ISA_BEST);
     take_mesh(o->scene, seen);
     CHECK_INT(shb_scene_bounds(&o->scene->scene, &o->scene->bounds), SHB_OK);
     o->scene->camera.vertical_angle = 0.27;

@@ -1,5 +1,6 @@
 #include "probe.h"
 
+#include "contexts.h"
 #include "test.h"
 
 static double first(const float *array) {
@@ -50,7 +51,7 @@ probe probe_fragment(const probe_light *light, const shb_bias *bias, shb_vec3 po
     float visibility;
     shb_context *context = NULL;
     shb_map *map = NULL;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_map_wrap(context, &desc, texels, 0, bias, &map), SHB_OK);
     CHECK_INT(shb_map_visibility(map, &points, &curious, &keep, &visibility), SHB_OK);
     shb_map_destroy(map);

@@ -1,10 +1,11 @@
 #include "ray_caster.h"
 
+#include "contexts.h"
 #include "test.h"
 
 ray_caster ray_caster_create(const shb_scene *scene) {
     ray_caster caster = {0};
-    CHECK_INT(shb_context_create(NULL, &caster.context), SHB_OK);
+    caster.context = test_context(0, SHB_ISA_BEST);
     CHECK_INT(shb_reference_create(caster.context, scene, &caster.reference), SHB_OK);
     return caster;
 }

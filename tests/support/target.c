@@ -1,5 +1,6 @@
 #include "target.h"
 
+#include "contexts.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -7,10 +8,8 @@
 
 test_contexts *test_contexts_create(uint32_t threads) {
     test_contexts *contexts = calloc(1, sizeof *contexts);
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = threads, .max_isa = SHB_ISA_SCALAR},
-                                 &contexts->scalar),
-              SHB_OK);
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = threads}, &contexts->best), SHB_OK);
+    contexts->scalar = test_context(threads, SHB_ISA_SCALAR);
+    contexts->best = test_context(threads, SHB_ISA_BEST);
     return contexts;
 }
 

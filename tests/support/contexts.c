@@ -1,0 +1,10 @@
+#include "contexts.h"
+
+#include "test.h"
+
+shb_context *test_context(uint32_t threads, shb_isa max_isa) {
+    const shb_context_desc desc = {.threads = threads, .max_isa = max_isa};
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+    return context;
+}
