@@ -12,9 +12,11 @@
 #include <stdatomic.h>
 
 /* Tiles are as wide as the target, so that memory is written in long runs, and as many rows high as
- * give this many samples (powers of two): less where each triangle fills much of a tile or tiles
- * are copied to the target, so that they stay in a second-level cache. */
+ * give this many samples (powers of two): half of them where there is more than one layer, and less
+ * where each triangle fills much of a tile or tiles are copied to the target, so that they stay in
+ * a second-level cache. */
 #define TILE_BITS 19
+#define LAYERED_TILE_BITS 18
 #define CACHED_TILE_BITS 17
 #define ROW_BITS_MIN 4
 
@@ -96,10 +98,16 @@ static int bits_of(uint32_t value) {
     return bits;
 }
 
+/* The depth counts even where no image holds it. */
+static uint32_t count_layers(const shb_draw_desc *desc) {
+    return 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
+}
+
 static shb_tile_shape choose_shape(const shb_context *context, const shb_draw_desc *desc,
                                    bool cached) {
     const int column_bits = bits_of(desc->width < 16 ? 16 : desc->width);
-    int row_bits = (cached ? CACHED_TILE_BITS : TILE_BITS) - column_bits;
+    const int bits = count_layers(desc) > 1 ? LAYERED_TILE_BITS : TILE_BITS;
+    int row_bits = (cached ? CACHED_TILE_BITS : bits) - column_bits;
     while (context->threads > 1 && desc->height >> row_bits < TILES_PER_THREAD * context->threads &&
            row_bits > ROW_BITS_MIN)
         row_bits--;
@@ -116,7 +124,7 @@ static shb_tile_shape square_shape(const shb_draw_desc *desc) {
 /* True if going straight through the target beats cutting it into tiles. */
 static bool suits_whole(const shb_context *context, const shb_draw_desc *desc, uint64_t triangles) {
     const uint32_t texels = desc->width * desc->height;
-    const uint32_t layers = 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
+    const uint32_t layers = count_layers(desc);
     if (context->threads == 1)
         return texels <= WHOLE_TEXELS / layers ||
                triangles >= layers * (texels / WHOLE_TEXELS_PER_TRIANGLE_ALONE);
