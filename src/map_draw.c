@@ -75,16 +75,107 @@ static shb_result check_draw(const shb_map *map, const shb_scene *scene) {
     return SHB_OK;
 }
 
-static shb_result measure(const shb_scene *scene, double *scale) {
+/* What a drawing makes before the map takes it. */
+typedef struct drawing {
+    bool combines;     /* two layers */
+    bool keeps;        /* occluders of any kind */
+    bool keeps_texels; /* the map's own array of them */
+    bool keeps_lists;
+    bool prepares; /* occluders, for texels or sheets */
+    double scene_scale;
+    layers layers;
+    shb_occluder_data occluders;
+    shb_lists *lists; /* or NULL */
+} drawing;
+
+static drawing plan_drawing(const shb_map *map, const shb_bias *bias) {
+    const bool keeps = map->info.occluders && (!bias || bias->needs & SHB_NEEDS_OCCLUDERS);
+    const bool has_lists = map->info.occluders == SHB_OCCLUDERS_LISTS;
+    const bool keeps_texels = keeps && !has_lists;
+    return (drawing){.combines = bias && bias->combine,
+                     .keeps = keeps,
+                     .keeps_texels = keeps_texels,
+                     .keeps_lists = has_lists && (keeps || map->classifies),
+                     .prepares = keeps_texels || shb_map_keeps_sheets(map),
+                     .scene_scale = map->info.scene_scale};
+}
+
+static shb_result measure_scene(const shb_map *map, const shb_scene *scene, double *scale) {
     shb_box box;
+    if (!map->measures)
+        return SHB_OK;
     const shb_result result = shb_scene_bounds(scene, &box);
+    if (result != SHB_OK)
+        return shb_fail(map->context, result,
+                        "shb_map_draw: an index of scene is not below its mesh.vertex_count");
+    *scale = box.lo.x <= box.hi.x ? shb_vec3_length(shb_vec3_subtract(box.hi, box.lo)) : 0;
+    return SHB_OK;
+}
+
+static shb_result prepare_layers(const shb_map *map, drawing *made) {
+    if (!made->combines || reserve_layers(map, &made->layers))
+        return SHB_OK;
+    return shb_fail(map->context, SHB_ERROR_MEMORY,
+                    "shb_map_draw: no memory for two layers of %u by %u texels",
+                    (unsigned)map->info.width, (unsigned)map->info.height);
+}
+
+static shb_result prepare_lists(const shb_map *map, const shb_scene *scene, drawing *made) {
+    if (!made->keeps_lists)
+        return SHB_OK;
+    return shb_lists_build(map->context, "shb_map_draw", &map->info.view, map->info.width,
+                           map->info.height, scene, map->lists_cap, map->classifies, &made->lists);
+}
+
+static shb_result prepare_occluders(const shb_map *map, const shb_scene *scene, drawing *made) {
+    if (!made->prepares || shb_occluders_prepare(map, scene, made->keeps_texels, &made->occluders))
+        return SHB_OK;
+    shb_lists_recycle(made->lists);
+    return shb_fail(map->context, SHB_ERROR_MEMORY,
+                    "shb_map_draw: no memory for the occluders of %llu triangles",
+                    (unsigned long long)shb_scene_triangle_count(scene));
+}
+
+/* If it fails, nothing is left to release. */
+static shb_result prepare_drawing(const shb_map *map, const shb_scene *scene, drawing *made) {
+    shb_result result = measure_scene(map, scene, &made->scene_scale);
     if (result == SHB_OK)
-        *scale = box.lo.x <= box.hi.x ? shb_vec3_length(shb_vec3_subtract(box.hi, box.lo)) : 0;
+        result = prepare_layers(map, made);
+    if (result == SHB_OK)
+        result = prepare_lists(map, scene, made);
+    if (result == SHB_OK)
+        result = prepare_occluders(map, scene, made);
     return result;
 }
 
-static bool keeps_occluders(const shb_map *map, const shb_bias *bias) {
-    return map->info.occluders && (!bias || bias->needs & SHB_NEEDS_OCCLUDERS);
+static shb_result draw_images(const shb_map *map, const shb_scene *scene, const shb_bias *bias,
+                              const drawing *made, shb_draw_stats *stats) {
+    shb_draw_desc desc = {.view = &map->info.view,
+                          .scene = scene,
+                          .width = map->info.width,
+                          .height = map->info.height,
+                          .depth = map->depth,
+                          .clear_marks = map->marks,
+                          .clear_marks_size = shb_map_marks_size(map),
+                          .flip_culling = bias && (bias->needs & SHB_NEEDS_FLIPPED)};
+    if (made->combines) {
+        desc.depth = (shb_depth_image){.texels = made->layers.nearest};
+        desc.second = (shb_depth_image){.texels = made->layers.second};
+        desc.clear_marks = NULL;
+    }
+    if (made->keeps_texels) {
+        desc.ids = made->occluders.texels;
+        desc.id_stride = made->occluders.stride;
+    }
+    const bool draws_planes = made->keeps_texels && map->info.occluders == SHB_OCCLUDERS_PLANES;
+    const shb_drawn_planes planes = shb_drawn_planes_of(map);
+    return shb_draw_planes(map->context, &desc, draws_planes ? &planes.finder : NULL, stats);
+}
+
+static void release_drawing(const shb_map *map, drawing *made) {
+    if (made->prepares)
+        shb_occluders_release(map, &made->occluders);
+    shb_lists_recycle(made->lists);
 }
 
 /* lists NULL: none. */
@@ -97,79 +188,34 @@ static void set_lists(shb_map *map, shb_lists *lists) {
         map->info.memory_bytes += lists->memory_bytes;
 }
 
+static void take_drawing(shb_map *map, const shb_bias *bias, const drawing *made) {
+    if (made->combines)
+        combine_rows(map, bias, &made->layers);
+    set_lists(map, NULL);
+    shb_prepared_outdate(map);
+    if (made->prepares)
+        shb_occluders_finish(map, made->keeps_texels, &made->occluders);
+    set_lists(map, made->lists);
+    map->occluders.held = made->keeps;
+    map->info.scene_scale = made->scene_scale;
+    shb_map_set_method(map, bias);
+}
+
 static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                            shb_draw_stats *stats) {
     shb_result result = check_draw(map, scene);
     if (result != SHB_OK)
         return result;
-    double scene_scale = map->info.scene_scale;
-    if (map->measures && (result = measure(scene, &scene_scale)) != SHB_OK)
-        return shb_fail(map->context, result,
-                        "shb_map_draw: an index of scene is not below its mesh.vertex_count");
-
-    shb_draw_desc desc = {.view = &map->info.view,
-                          .scene = scene,
-                          .width = map->info.width,
-                          .height = map->info.height,
-                          .depth = map->depth,
-                          .clear_marks = map->marks,
-                          .clear_marks_size = shb_map_marks_size(map),
-                          .flip_culling = bias && (bias->needs & SHB_NEEDS_FLIPPED)};
-    const bool combines = bias && bias->combine;
-    layers drawn = {0};
-    if (combines) {
-        if (!reserve_layers(map, &drawn))
-            return shb_fail(map->context, SHB_ERROR_MEMORY,
-                            "shb_map_draw: no memory for two layers of %u by %u texels",
-                            (unsigned)map->info.width, (unsigned)map->info.height);
-        desc.depth = (shb_depth_image){.texels = drawn.nearest};
-        desc.second = (shb_depth_image){.texels = drawn.second};
-        desc.clear_marks = NULL;
-    }
-    shb_occluder_data occluders = {0};
-    const bool keeps = keeps_occluders(map, bias);
-    const bool has_lists = map->info.occluders == SHB_OCCLUDERS_LISTS;
-    const bool keeps_lists = has_lists && (keeps || map->classifies);
-    const bool keeps_texels = keeps && !has_lists;
-    shb_lists *lists = NULL;
-    if (keeps_lists) {
-        result = shb_lists_build(map->context, "shb_map_draw", &map->info.view, map->info.width,
-                                 map->info.height, scene, map->lists_cap, map->classifies, &lists);
-        if (result != SHB_OK)
-            return result;
-    }
-    const bool prepares = keeps_texels || shb_map_keeps_sheets(map);
-    if (prepares && !shb_occluders_prepare(map, scene, keeps_texels, &occluders)) {
-        shb_lists_recycle(lists);
-        return shb_fail(map->context, SHB_ERROR_MEMORY,
-                        "shb_map_draw: no memory for the occluders of %llu triangles",
-                        (unsigned long long)shb_scene_triangle_count(scene));
-    }
-    if (keeps_texels) {
-        desc.ids = occluders.texels;
-        desc.id_stride = occluders.stride;
-    }
-    const bool draws_planes = keeps_texels && map->info.occluders == SHB_OCCLUDERS_PLANES;
-    const shb_drawn_planes drawn_planes = shb_drawn_planes_of(map);
-    result =
-        shb_draw_planes(map->context, &desc, draws_planes ? &drawn_planes.finder : NULL, stats);
-    if (result != SHB_OK) {
-        if (prepares)
-            shb_occluders_release(map, &occluders);
-        shb_lists_recycle(lists);
+    drawing made = plan_drawing(map, bias);
+    result = prepare_drawing(map, scene, &made);
+    if (result != SHB_OK)
         return result;
-    }
-    if (combines)
-        combine_rows(map, bias, &drawn);
-    set_lists(map, NULL);
-    shb_prepared_outdate(map);
-    if (prepares)
-        shb_occluders_finish(map, keeps_texels, &occluders);
-    set_lists(map, lists);
-    map->occluders.held = keeps;
-    map->info.scene_scale = scene_scale;
-    shb_map_set_method(map, bias);
-    return SHB_OK;
+    result = draw_images(map, scene, bias, &made, stats);
+    if (result == SHB_OK)
+        take_drawing(map, bias, &made);
+    else
+        release_drawing(map, &made);
+    return result;
 }
 
 static double clock_seconds(void) {
