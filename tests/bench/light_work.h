@@ -9,6 +9,9 @@ typedef struct light_work {
     shb_context *context;
     const measure_frame *frame;
     shb_bias bias;
+    const char *name;        /* of the method in tables */
+    shb_occluders occluders; /* that the map keeps for the exact method */
+    bool names_triangles;    /* points are asked with all that is known of them */
     shb_map *map;
     draw_work camera; /* of the whole frame */
     shb_image image;
@@ -18,6 +21,21 @@ typedef struct light_work {
  * frame. On failure nothing is to be destroyed. */
 shb_result light_work_create(shb_context *context, const measure_frame *frame, uint32_t map_size,
                              const shb_bias *bias, light_work *work);
+
+/* What the exact method asks with besides planes: what a map keeps for it, and points that name
+ * their triangles and their places on them or not. */
+typedef struct light_exact {
+    const char *name; /* in tables */
+    shb_occluders occluders;
+    bool names_triangles;
+} light_exact;
+
+#define LIGHT_EXACT_KINDS 4
+extern const light_exact light_exact_kinds[LIGHT_EXACT_KINDS];
+
+/* On failure nothing is to be destroyed. */
+shb_result light_work_create_exact(shb_context *context, const measure_frame *frame,
+                                   uint32_t map_size, const light_exact *exact, light_work *work);
 
 /* The same for another context around the same depths; it cannot draw them, so it has no frame. It
  * lasts as long as the original keeps its method. For the exact method, a map of its own. */

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "arguments.h"
+#include "light_work.h"
 #include "tool.h"
 
 #include "shadowbias/bias.h"
@@ -30,6 +31,8 @@ static const char notes[] =
     "Made for measuring: height-field, hills, huge, stack, triangle and culled.\n"
     "size is that of the map, or of the picture for camera; the pictures of visibility, shade and\n"
     "frame have 1024 x 1024 pixels, or more until half a million fragments are in sight.\n"
+    "hard:exact asks planes; by triangles, by lists and by points that name their triangles it is\n"
+    "hard:exact-triangles, -triangles-named, -lists and -lists-named.\n"
     "shade has a map of 2048, frame the methods constant and adaptive, unless options name "
     "others.\n"
     "With one thread, times are its processor time; with more, time on the wall. Medians are\n"
@@ -41,10 +44,20 @@ static const char notes[] =
 static const char *const groups[] = {"depth", "camera", "dual",  "cull",   "prepare", "visibility",
                                      "shade", "frame",  "goals", "ratios", "soft"};
 
+/* True for a stage of the exact method on a map of its own. */
+static bool is_exact(const char *stage) {
+    for (size_t i = 0; i < LIGHT_EXACT_KINDS; i++)
+        if (strncmp(stage, "hard:", 5) == 0 && strcmp(stage + 5, light_exact_kinds[i].name) == 0)
+            return true;
+    return false;
+}
+
 /* True if some stage has the name that --only gives. */
 static bool is_stage(const bench_options *options) {
     const char *method = strchr(options->only, ':');
     shb_bias bias;
+    if (is_exact(options->only))
+        return true;
     if (method && (strchr(method + 1, ':') || shb_bias_parse(method + 1, &bias)))
         return false;
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)

@@ -84,23 +84,23 @@ static bool time_stage(bench_session *session, const light_stage *stage, light_w
                  : stage == &shade_stage    ? pixels
                                             : pixels + map_texels;
     row.limit_seconds = machine_copy_seconds(&session->machine, row.bytes);
-    snprintf(row.stage, sizeof row.stage, "%s:%s", stage->prefix, work->bias.name);
+    snprintf(row.stage, sizeof row.stage, "%s:%s", stage->prefix, work->name);
     snprintf(row.scene, sizeof row.scene, "%s", title);
-    if (!is_wanted(&session->options, stage, work->bias.name, info->width))
+    if (!is_wanted(&session->options, stage, work->name, info->width))
         return true;
     return stages_measure(session, stage->work(work),
                           scalar ? stage->work(scalar) : (bench_work){0}, &row);
 }
 
-/* Visibility and shading by the method that the work has. */
-static bool time_method(bench_session *session, light_work *work, const char *title) {
+/* Visibility by the method that the work has, and shading if it is wanted, too. */
+static bool time_method(bench_session *session, light_work *work, bool shades, const char *title) {
     light_work scalar = {0};
     if (session->scalar &&
         !session_succeeds(title, light_work_share(session->scalar, work, &scalar)))
         return false;
     light_work *const reference = scalar.context ? &scalar : NULL;
     const bool done = time_stage(session, &visibility_stage, work, reference, title) &&
-                      time_stage(session, &shade_stage, work, reference, title);
+                      (!shades || time_stage(session, &shade_stage, work, reference, title));
     light_work_destroy(&scalar);
     return done;
 }
@@ -120,9 +120,26 @@ static bool time_methods(bench_session *session, const measure_frame *frame, uin
         done = session_succeeds(title, work.map ? light_work_set_bias(&work, &bias)
                                                 : light_work_create(session->context, frame, size,
                                                                     &bias, &work)) &&
-               time_method(session, &work, title);
+               time_method(session, &work, true, title);
     }
     light_work_destroy(&work);
+    return done;
+}
+
+/* The exact method on maps of its own. Shading would know all triangles in any case. */
+static bool time_exact(bench_session *session, const measure_frame *frame, uint32_t size,
+                       const char *title) {
+    bool done = true;
+    for (size_t i = 0; i < LIGHT_EXACT_KINDS && done; i++) {
+        const light_exact *kind = &light_exact_kinds[i];
+        light_work work = {0};
+        if (!is_wanted(&session->options, &visibility_stage, kind->name, size))
+            continue;
+        done = session_succeeds(
+                   title, light_work_create_exact(session->context, frame, size, kind, &work)) &&
+               time_method(session, &work, false, title);
+        light_work_destroy(&work);
+    }
     return done;
 }
 
@@ -161,6 +178,7 @@ static bool time_sizes(bench_session *session, const measure_frame *frame, const
     for (size_t i = 0; i < count; i++) {
         progress_step(&session->progress, title);
         if (!time_methods(session, frame, sizes[i], title) ||
+            !time_exact(session, frame, sizes[i], title) ||
             !time_frames(session, frame, sizes[i], title))
             return false;
     }
