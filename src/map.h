@@ -4,6 +4,7 @@
 
 #include "context.h"
 #include "drawn_plane.h"
+#include "joints.h"
 #include "light_bounds.h"
 #include "light_mesh.h"
 #include "sheets.h"
@@ -55,6 +56,7 @@ typedef struct shb_occluder_data {
                            none; or a triangle's id */
     size_t stride;      /* bytes */
     double slope_unit;  /* a power of two, at most 1 */
+    shb_joints joints;  /* where the map keeps planes */
     size_t plane_count; /* triangles of the scene */
     shb_occluder_plane *planes; /* in kept, as world_planes and what mesh points to */
     shb_world_plane *world_planes;

@@ -45,7 +45,14 @@ bool shb_occluders_create(shb_map *map) {
     data->stride = ((size_t)map->info.width * sizeof(uint32_t) + 63) / 64 * 64 + 64;
     data->texels = shb_alloc(map->context, map->info.height, data->stride);
     map->info.memory_bytes += data->stride * map->info.height;
-    return data->texels != NULL;
+    if (!data->texels)
+        return false;
+    if (map->info.occluders != SHB_OCCLUDERS_PLANES)
+        return true;
+    const bool done =
+        shb_joints_create(map->context, map->info.width, map->info.height, &data->joints);
+    map->info.memory_bytes += shb_joints_bytes(&data->joints);
+    return done;
 }
 
 /* All that a drawing makes, but a topology that stays. */
@@ -64,6 +71,7 @@ void shb_occluders_destroy(shb_map *map) {
     release_drawn(map->context, &map->occluders);
     shb_topology_release(map->context, &map->occluders.topology);
     shb_sheets_destroy(map->context, &map->occluders.sheets);
+    shb_joints_destroy(map->context, &map->occluders.joints);
     shb_free(map->context, map->occluders.texels);
 }
 
@@ -174,6 +182,7 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
 static size_t texel_bytes(const shb_map *map) {
     const shb_sheets *sheets = &map->occluders.sheets;
     return shb_map_depth_bytes(map) + map->occluders.stride * map->info.height +
+           shb_joints_bytes(&map->occluders.joints) +
            sheets->stride * sheets->height * sizeof *sheets->bounds;
 }
 
@@ -196,6 +205,8 @@ void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *mad
     map->occluders = *made;
     shb_occluder_data *data = &map->occluders;
     data->mesh.topology = &data->topology;
+    if (data->joints.found)
+        shb_joints_forget(&data->joints);
     if (shb_map_keeps_sheets(map))
         shb_sheets_find(map, &data->mesh, &data->bins);
     data->mesh.vertices = NULL;

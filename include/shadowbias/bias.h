@@ -34,7 +34,8 @@ typedef struct shb_bias shb_bias;
 /* What a map keeps of its occluders beside their depth, for the exact method. */
 typedef enum shb_occluders {
     SHB_OCCLUDERS_NONE = 0,
-    SHB_OCCLUDERS_PLANES,    /* the plane of each texel's triangle: 4 more bytes a texel */
+    SHB_OCCLUDERS_PLANES,    /* the plane of each texel's triangle: 4.5 more bytes a
+                                texel */
     SHB_OCCLUDERS_TRIANGLES, /* the triangle of each texel, and the mesh in the light's space: 4
                                 more bytes a texel and about 160 a triangle */
     SHB_OCCLUDERS_LISTS      /* all triangles that the light can see in each texel, or in larger

@@ -29,6 +29,8 @@ static const soft_goal goals[] = {
     {"pcf 5x5 adaptive", "hills", HILLS("adaptive", "pcf:size=5"), 5},
     {"pcf 7x7 adaptive", "hills", HILLS("adaptive", "pcf:size=7"), 5.4},
     {"pcf 11x11 adaptive", "hills", HILLS("adaptive", "pcf:size=11"), 10},
+    {"pcf 5x5 exact planes", "hills", HILLS("exact", "pcf:size=5"), 30},
+    {"pcf 11x11 exact planes", "hills", HILLS("exact", "pcf:size=11"), 70},
     {"pcss adaptive, no pyramid",
      "tree",
      {SCENE_SPOT, MAP_SIZE, "adaptive", PCSS("0.4"), true},

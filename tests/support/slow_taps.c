@@ -74,37 +74,30 @@ bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment
     return plane.is_covered && shb_exact_is_shadowed(fragment, &sample);
 }
 
-static bool is_joined(const shb_map *map, const slow_box *box, int column, int row) {
+/* A texel, and those that are joined to it one after the other. */
+static void reach(const shb_map *map, slow_box *box, int column, int row) {
     const sheet_plane own = plane_of_texel(map, box->left + column, box->top + row);
+    box->sheet[row][column] = true;
     for (int k = row - 1; k <= row + 1; k++)
         for (int j = column - 1; j <= column + 1; j++) {
-            if (k < 0 || j < 0 || k >= box->n || j >= box->n || !box->sheet[k][j])
+            if (k < 0 || j < 0 || k >= box->n || j >= box->n || box->sheet[k][j] ||
+                !is_in_map(map, box->left + j, box->top + k))
                 continue;
             const sheet_plane other = plane_of_texel(map, box->left + j, box->top + k);
             if (planes_meet(map, &own, &other))
-                return true;
+                reach(map, box, j, k);
         }
-    return false;
 }
 
-/* One texel after the other, until none is added. */
-static void grow_slowly(const shb_map *map, slow_box *box) {
-    bool grown = true;
-    while (grown) {
-        grown = false;
-        for (int k = 0; k < box->n * box->n; k++) {
-            const int row = k / box->n, column = k % box->n;
-            if (box->sheet[row][column] || !is_in_map(map, box->left + column, box->top + row) ||
-                !is_joined(map, box, column, row))
-                continue;
-            box->sheet[row][column] = grown = true;
-        }
-    }
+/* Of n texels around a place on an axis. */
+static int first_of(double place, int n) {
+    return (int)floor(n % 2 ? place : place + 0.5) - n / 2;
 }
 
 slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int n) {
     const int x = (int)floor(fragment->point.x), y = (int)floor(fragment->point.y);
-    slow_box box = {.left = x - n / 2, .top = y - n / 2, .n = n};
+    slow_box box = {
+        .left = first_of(fragment->point.x, n), .top = first_of(fragment->point.y, n), .n = n};
     if (map->info.occluders != SHB_OCCLUDERS_PLANES || !is_in_map(map, x, y))
         return box;
     const sheet_plane own = {fragment->point.x,
@@ -115,9 +108,7 @@ slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int
                              true,
                              true};
     const sheet_plane texel = plane_of_texel(map, x, y);
-    if (!planes_meet(map, &own, &texel))
-        return box;
-    box.sheet[n / 2][n / 2] = true;
-    grow_slowly(map, &box);
+    if (planes_meet(map, &own, &texel))
+        reach(map, &box, x - box.left, y - box.top);
     return box;
 }

@@ -8,7 +8,7 @@
 /* By the test of mutual planes alone; texels outside the map shadow nothing. */
 bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y);
 
-enum { SLOW_BOX_MAX = 19 };
+enum { SLOW_BOX_MAX = 63 };
 
 /* A box of n x n texels, and which of them hold the sheet that the fragment stands on. */
 typedef struct slow_box {
@@ -16,7 +16,7 @@ typedef struct slow_box {
     bool sheet[SLOW_BOX_MAX][SLOW_BOX_MAX]; /* by row and column */
 } slow_box;
 
-/* The box around the fragment, n odd. The texels of its sheet are those that are joined to its own
+/* The n x n texels nearest to the fragment. Those of its sheet are those that are joined to its own
  * one, and that to its plane; none where the map does not keep planes. */
 slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int n);
 

@@ -1,0 +1,213 @@
+/* Boxes by planes whose rows have at most ROW_BITS texels: which taps are shadowed, less what lies
+ * on the fragments' sheets. Included once for each number. */
+
+#include "k_box_sheet.inl"
+
+#define R(name) SHB_JOIN(name, ROW_BITS)
+#define ROW_LANES (sizeof(R(rows)) / sizeof(R(row)))
+
+/* A set of texels of a box, row after row. */
+typedef struct R(box_bits) {
+    R(row) rows[ROW_BITS];
+} R(box_bits);
+
+/* So many boxes are asked at a time. */
+#define BOXES (4096 / ROW_BITS)
+
+typedef struct R(open_boxes) {
+    int n;
+    size_t count;
+    uint16_t fragments[BOXES];
+    own_texel own[BOXES];
+    R(box_bits) shadowed[BOXES];
+} R(open_boxes);
+
+/* Shadowed taps of WIDE columns from start on; lane: of fragment i among those of ways. */
+static inline ALWAYS_INLINE void R(find_shadowed_from)(const box_batch *batch, size_t i,
+                                                       const texel_box *b, const row_ways *ways,
+                                                       size_t lane, int n, int start, bool reversed,
+                                                       R(box_bits) * shadowed) {
+    const shb_receivers *r = batch->receivers;
+    const mutual_lanes own = mutual_lanes_of_one(batch->mutual, i);
+    const vf far_depth = vf_splat(shb_far_depth(reversed));
+    const vf m = vf_load(columns_from_end + BOX_PITCH - n + start) + (float)(n + b->column);
+    const vf plane = r->ref[i] + m * r->step_x[i];
+    const mutual_way x = mutual_way_of(own.moved_x, r->to_center_x[i] + m, length_unit(batch->map));
+    const char *texels = b->texels + (size_t)start * sizeof(float);
+    const char *occluders = b->occluders + (size_t)start * sizeof(uint32_t);
+    for (int k = 0; k < n; k++) {
+        const vf depth = vf_load((const float *)(const void *)texels);
+        const vf stored = reversed ? -depth : depth;
+        const vf tap = vf_min(far_depth, plane + ways->drop[k][lane]);
+        const mutual_way y = {vf_splat(ways->rising[k][lane]), vf_splat(ways->falling[k][lane])};
+        vu slopes;
+        memcpy(&slopes, occluders, sizeof slopes);
+        const R(row) bits = (R(row))vi_bits(
+            (stored < tap) & passes_in_front(own.z, own.base, &x, &y, stored, slopes));
+        shadowed->rows[k] = start ? (R(row))(shadowed->rows[k] | bits << start) : bits;
+        texels += b->stride;
+        occluders += b->occluder_stride;
+    }
+}
+
+/* Adds a box; lane: of fragment i among those of ways. */
+static inline ALWAYS_INLINE void R(find_shadowed)(const box_batch *batch, size_t i,
+                                                  const texel_box *b, const row_ways *ways,
+                                                  size_t lane, bool reversed,
+                                                  R(open_boxes) * open) {
+    const size_t at = open->count++;
+    R(box_bits) *shadowed = &open->shadowed[at];
+    if (ROW_BITS == 16)
+        memset(shadowed, 0, sizeof *shadowed);
+    R(find_shadowed_from)(batch, i, b, ways, lane, open->n, 0, reversed, shadowed);
+    for (int start = WIDE; start < open->n; start += WIDE)
+        R(find_shadowed_from)(batch, i, b, ways, lane, open->n, start, reversed, shadowed);
+    open->fragments[at] = (uint16_t)i;
+    open->own[at] = own_texel_of(b);
+}
+
+/* Of rows first .. end - 1. */
+static inline ALWAYS_INLINE int32_t R(count_bits)(const R(box_bits) * bits, int first, int end) {
+    int32_t count = 0;
+    for (int k = first; k < end; k++)
+        count += __builtin_popcountll(bits->rows[k]);
+    return count;
+}
+
+static inline ALWAYS_INLINE int32_t R(count_all)(const R(box_bits) * bits, int n) {
+    uint64_t words[4];
+    if (ROW_BITS > 16)
+        return R(count_bits)(bits, 0, n);
+    memcpy(words, bits->rows, sizeof words);
+    return (__builtin_popcountll(words[0]) + __builtin_popcountll(words[1])) +
+           (__builtin_popcountll(words[2]) + __builtin_popcountll(words[3]));
+}
+
+static inline ALWAYS_INLINE bool R(has_bits)(const R(box_bits) * bits, int n) {
+    uint64_t words[4], any = 0;
+    for (int k = 0; ROW_BITS > 16 && k < n; k++)
+        any |= bits->rows[k];
+    memcpy(words, bits->rows, sizeof words);
+    return ROW_BITS > 16 ? any != 0 : ((words[0] | words[1]) | (words[2] | words[3])) != 0;
+}
+
+static inline ALWAYS_INLINE double R(lit_rows)(const R(box_bits) * shadowed, int n, int first,
+                                               int end, double right_weight) {
+    int32_t left = 0, right = 0;
+    for (int k = first; k < end; k++) {
+        left += (int32_t)(shadowed->rows[k] & 1);
+        right += (int32_t)(shadowed->rows[k] >> (n - 1) & 1);
+    }
+    return weigh_columns(left, right, R(count_bits)(shadowed, first, end), n, end - first,
+                         right_weight);
+}
+
+/* As weigh_box of k_box.inl. */
+static inline ALWAYS_INLINE float R(lit_part)(const box_batch *batch, size_t i,
+                                              const R(box_bits) * shadowed, int n) {
+    const double right = last_weight(batch->receivers->to_center_x[i], n);
+    const double bottom = last_weight(batch->receivers->to_center_y[i], n);
+    const double above = R(lit_rows)(shadowed, n, 0, 1, right);
+    const double inner = R(lit_rows)(shadowed, n, 1, n - 1, right);
+    const double below = R(lit_rows)(shadowed, n, n - 1, n, right);
+    return weight_share(((1 - bottom) * above + bottom * below) + inner, n);
+}
+
+/* Of a list of boxes, those in whose shadows the fragment's own texel has no part: it may stand on
+ * a sheet that lights them. */
+static inline ALWAYS_INLINE size_t R(list_on_sheets)(const box_batch *batch,
+                                                     const R(open_boxes) * open, uint16_t *boxes) {
+    size_t found = 0, kept = 0;
+    for (size_t k = 0; k < open->count; k++) {
+        const size_t i = open->fragments[k];
+        const int32_t x = batch->receivers->texel_x[i] - batch->left[i];
+        const int32_t y = batch->receivers->texel_y[i] - batch->top[i];
+        boxes[found] = (uint16_t)k;
+        found +=
+            R(has_bits)(&open->shadowed[k], open->n) & (size_t) ~(open->shadowed[k].rows[y] >> x);
+    }
+    for (size_t k = 0; k < found; k += WIDE) {
+        const size_t count = found - k < WIDE ? found - k : WIDE;
+        const uint32_t stands =
+            stand_on_own_texels(batch, open->fragments, open->own, boxes + k, count);
+        for (size_t lane = 0; lane < count; lane++) {
+            boxes[kept] = boxes[k + lane];
+            kept += stands >> lane & 1;
+        }
+    }
+    return kept;
+}
+
+static inline ALWAYS_INLINE void R(light_sheets)(const box_batch *batch, R(open_boxes) * open) {
+    uint16_t boxes[BOXES + 1];
+    R(sheet_rows) sheets;
+    const size_t found = R(list_on_sheets)(batch, open, boxes);
+    for (size_t first = 0; first < found; first += ROW_LANES) {
+        const size_t count = found - first < ROW_LANES ? found - first : ROW_LANES;
+        R(clear_sheets)(&sheets, open->n);
+        for (size_t lane = 0; lane < count; lane++) {
+            const size_t i = open->fragments[boxes[first + lane]];
+            R(enter_sheet)
+            (batch->map, batch->left[i], batch->top[i], batch->receivers->texel_x[i],
+             batch->receivers->texel_y[i], open->n, lane, &sheets);
+        }
+        R(follow_sheets)(&sheets, count, open->n);
+        for (size_t lane = 0; lane < count; lane++) {
+            R(box_bits) *shadowed = &open->shadowed[boxes[first + lane]];
+            for (int k = 0; k < open->n; k++)
+                shadowed->rows[k] &= (R(row)) ~sheets.rows[1 + k].sheet[lane];
+        }
+    }
+}
+
+static NEVER_INLINE void R(finish_boxes)(const box_batch *batch, bool smooth, R(open_boxes) * open,
+                                         float *visibility) {
+    const int n = open->n;
+    R(light_sheets)(batch, open);
+    for (size_t k = 0; smooth && k < open->count; k++) {
+        const size_t i = open->fragments[k];
+        visibility[i] = R(lit_part)(batch, i, &open->shadowed[k], n);
+    }
+    for (size_t k = 0; !smooth && k < open->count; k++)
+        visibility[open->fragments[k]] = box_share(n, R(count_all)(&open->shadowed[k], n));
+    open->count = 0;
+}
+
+/* Boxes of n x n texels in place, those of count fragments and more to fill the vectors. */
+static inline ALWAYS_INLINE void R(ask_listed)(const box_batch *batch, bool smooth,
+                                               const uint16_t *fragments, size_t count, int n,
+                                               bool reversed, float *visibility) {
+    row_ways ways;
+    R(open_boxes) open;
+    open.n = n;
+    open.count = 0;
+    for (size_t k = 0; k < count; k++) {
+        const size_t i = fragments[k];
+        const texel_box b = exact_box_in_place(batch, i);
+        if (k % WIDE == 0)
+            find_row_ways(batch, fragments + k, n, &ways);
+        prefetch_slopes(batch, fragments[k + BOXES_AHEAD], n);
+        R(find_shadowed)(batch, i, &b, &ways, k % WIDE, reversed, &open);
+        if (open.count == BOXES)
+            R(finish_boxes)(batch, smooth, &open, visibility);
+    }
+    R(finish_boxes)(batch, smooth, &open, visibility);
+}
+
+static inline ALWAYS_INLINE void R(ask_copy)(const box_batch *batch, bool smooth, size_t i,
+                                             const texel_box *b, bool reversed, float *visibility) {
+    uint16_t fragments[WIDE];
+    row_ways ways;
+    R(open_boxes) open;
+    open.n = batch->size[i];
+    open.count = 0;
+    for (int lane = 0; lane < WIDE; lane++)
+        fragments[lane] = (uint16_t)i;
+    find_row_ways(batch, fragments, open.n, &ways);
+    R(find_shadowed)(batch, i, b, &ways, 0, reversed, &open);
+    R(finish_boxes)(batch, smooth, &open, visibility);
+}
+
+#undef BOXES
+#undef ROW_LANES
+#undef R
