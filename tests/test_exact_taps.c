@@ -185,6 +185,38 @@ TEST(exact_taps_by_triangles_agree_with_the_scalar_test) {
     check_against_scalar(true, false, SHB_OCCLUDERS_TRIANGLES);
 }
 
+/* Ground at z = 0 with a ramp from x = 0.13 to 0.24 up to a plateau at 0.5, and the top of a post
+ * at 0.2 that no sample sees. From the texel right of the middle the box reaches the plateau in one
+ * of its five columns. The ground goes on to be the plateau, which does not shadow it; the post
+ * stands before what its texel holds, and the plateau does. */
+TEST(what_stands_before_its_texel_is_not_on_the_sheet_there) {
+    static const float profile[4][2] = {{-1, 0}, {0.13f, 0}, {0.24f, 0.5f}, {1, 0.5f}};
+    static const float positions[2][3] = {{0.06f, 0.01f, 0}, {0.01f, 0.01f, 0.2f}};
+    static const float normals[2][3] = {{0, 0, 1}, {0, 0, 1}};
+    soup s = {0};
+    for (int i = 0; i < 3; i++) {
+        const float *a = profile[i], *b = profile[i + 1];
+        soup_add_quad(&s, (float[]){a[0], -1, a[1]}, (float[]){b[0], -1, b[1]},
+                      (float[]){b[0], 1, b[1]}, (float[]){a[0], 1, a[1]});
+    }
+    soup_add_quad(&s, (float[]){0.005f, -0.9f, 0.2f}, (float[]){0.03f, -0.9f, 0.2f},
+                  (float[]){0.03f, 0.9f, 0.2f}, (float[]){0.005f, 0.9f, 0.2f});
+    const shb_filter box = shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+    const shb_bias exact = shb_bias_exact();
+    const shb_points asked = {.count = 2, .positions = positions[0], .normals = normals[0]};
+    for (int reversed = 0; reversed < 2; reversed++) {
+        const shb_map_desc desc = {
+            .view = probe_orthographic(reversed), .width = 16, .occluders = SHB_OCCLUDERS_PLANES};
+        asked_map made = draw(SHB_ISA_BEST, &desc, &s);
+        float visibility[2];
+        CHECK_INT(shb_map_visibility(made.map, &asked, &exact, &box, visibility), SHB_OK);
+        CHECK(visibility[0] == 1);
+        CHECK_NEAR(visibility[1], 0.8, 1e-6);
+        close_map(&made);
+    }
+    soup_free(&s);
+}
+
 /* ---- in every format, before steep planes ---- */
 
 static asked_map draw_as(shb_format format, shb_view view, uint32_t size, soup *s) {

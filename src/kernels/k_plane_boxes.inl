@@ -68,8 +68,9 @@ typedef struct standing {
     uint32_t slopes[WIDE];
 } standing;
 
-/* Whether fragments' planes meet those of their own texels between their own places and the
- * centres, a bit each. boxes: numbers of count fragments and their texels. */
+/* Whether fragments that their own texels do not shadow stand on what these hold, a bit each: not
+ * if they lie before the texel's plane at their own place, and their own plane does at the centre.
+ * boxes: numbers of count fragments and their texels. */
 static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const box_batch *batch,
                                                          const uint16_t *fragments,
                                                          const own_texel *own,
@@ -94,8 +95,8 @@ static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const box_batch *batch,
     }
     const vu halves = vu_load(s.slopes);
     const vf stored = vf_load(s.stored), z = vf_load(s.z);
-    const vf to_x = vf_load(s.to_x), to_y = vf_load(s.to_y), half_y = half_high(halves);
-    const vf slope_x = half_low(halves) * unit, slope_y = half_y * unit;
+    const vf to_x = vf_load(s.to_x), to_y = vf_load(s.to_y);
+    const vf slope_x = half_low(halves) * unit, slope_y = half_high(halves) * unit;
     const vf own_rise = vf_load(s.step_x) * to_x + vf_load(s.step_y) * to_y;
     const vf occluder_rise = slope_x * to_x + slope_y * to_y;
     const vf error = vf_load(s.error) + (SHEET_DEPTH_ERROR * (vf_abs(z) + vf_abs(stored)) +
@@ -103,11 +104,9 @@ static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const box_batch *batch,
     const vf occluder_error =
         vf_load(s.base) + (vf_abs(slope_x) * (vf_load(s.moved_x) + SHEET_SLOPE_ERROR) +
                            vf_abs(slope_y) * (vf_load(s.moved_y) + SHEET_SLOPE_ERROR));
-    const vf behind = stored - (z + own_rise), fragment_behind = z - (stored - occluder_rise);
-    const vi in_front = (behind < -error) & (fragment_behind > occluder_error);
-    const vi far_behind = (behind > error) & (fragment_behind < -occluder_error);
-    const vi known = (stored < shb_far_depth(batch->reversed)) & is_finite_half(half_y);
-    return vi_bits(known & ~(in_front | far_behind));
+    const vf behind = stored - (z + own_rise), behind_at_fragment = (stored - occluder_rise) - z;
+    return vi_bits((stored < shb_far_depth(batch->reversed)) &
+                   ~((behind > error) & (behind_at_fragment > occluder_error)));
 }
 
 #define ROW_BITS 16
