@@ -81,6 +81,19 @@ TEST(cuts_lie_exactly_on_the_near_plane) {
     }
 }
 
+/* z = 0 is the near plane, y = 1 the border. */
+TEST(corners_on_a_plane_are_inside) {
+    const shb_clip_volume volume = shb_clip_volume_of(WIDTH, HEIGHT, false);
+    const shb_clip_position on[3] = {{{0, 0, 0, 1}}, {{0.5, 0, 0, 1}}, {{0, 0.5, 0, 1}}};
+    const shb_clip_position across[3] = {{{0, 0, 0.5, 1}}, {{0.5, 0, 0, 1}}, {{0, 0.5, -1, 1}}};
+    const shb_clip_position aside[3] = {{{0, 2, 0.5, 1}}, {{0.5, 2, 0.5, 1}}, {{0, 3, 0.5, 1}}};
+    shb_polygon polygon;
+    CHECK_INT(shb_clip_triangle(&volume, on, &polygon), SHB_CLIP_WHOLE);
+    CHECK_INT(shb_clip_triangle(&volume, across, &polygon), SHB_CLIP_CUT);
+    CHECK_INT(polygon.count, 4); /* the edge that leaves at a corner is cut there */
+    CHECK_INT(shb_clip_triangle(&volume, aside, &polygon), SHB_CLIP_OUTSIDE);
+}
+
 TEST(what_cannot_be_projected_is_outside) {
     const shb_clip_volume volume = shb_clip_volume_of(WIDTH, HEIGHT, false);
     shb_polygon polygon;
