@@ -185,36 +185,55 @@ TEST(exact_taps_by_triangles_agree_with_the_scalar_test) {
     check_against_scalar(true, false, SHB_OCCLUDERS_TRIANGLES);
 }
 
+/* A quad over x0 .. x1 and y0 .. y1 that rises from z0 to z1 along x, turned by quarters. */
+static void add_turned(soup *s, int quarters, const float x[2], const float y[2],
+                       const float z[2]) {
+    float corners[4][3];
+    for (int k = 0; k < 4; k++) {
+        const int right = k == 1 || k == 2, up = k >= 2;
+        const float along = x[right], across = y[up];
+        const float places[4][2] = {
+            {along, across}, {-across, along}, {-along, -across}, {across, -along}};
+        corners[k][0] = places[quarters][0];
+        corners[k][1] = places[quarters][1];
+        corners[k][2] = z[right];
+    }
+    soup_add_quad(s, corners[0], corners[1], corners[2], corners[3]);
+}
+
 /* Ground at z = 0 with a ramp from x = 0.13 to 0.24 up to a plateau at 0.5, and the top of a post
- * at 0.2 that no sample sees. From the texel right of the middle the box reaches the plateau in one
+ * at 0.2 that no sample sees. From the texel beside the middle the box reaches the plateau in one
  * of its five columns. The ground goes on to be the plateau, which does not shadow it; the post
  * stands before what its texel holds, and the plateau does. */
-TEST(what_stands_before_its_texel_is_not_on_the_sheet_there) {
-    static const float profile[4][2] = {{-1, 0}, {0.13f, 0}, {0.24f, 0.5f}, {1, 0.5f}};
-    static const float positions[2][3] = {{0.06f, 0.01f, 0}, {0.01f, 0.01f, 0.2f}};
-    static const float normals[2][3] = {{0, 0, 1}, {0, 0, 1}};
+static void check_post(int quarters, bool reversed) {
+    static const float ends[4] = {-1, 0.13f, 0.24f, 1}, heights[4] = {0, 0, 0.5f, 0.5f};
+    static const float places[2] = {0.06f, 0.01f}, expected[2] = {1, 0.8f};
+    const float wide[2] = {-1, 1}, post[2] = {0.005f, 0.03f}, top[2] = {0.2f, 0.2f};
     soup s = {0};
-    for (int i = 0; i < 3; i++) {
-        const float *a = profile[i], *b = profile[i + 1];
-        soup_add_quad(&s, (float[]){a[0], -1, a[1]}, (float[]){b[0], -1, b[1]},
-                      (float[]){b[0], 1, b[1]}, (float[]){a[0], 1, a[1]});
-    }
-    soup_add_quad(&s, (float[]){0.005f, -0.9f, 0.2f}, (float[]){0.03f, -0.9f, 0.2f},
-                  (float[]){0.03f, 0.9f, 0.2f}, (float[]){0.005f, 0.9f, 0.2f});
+    for (int i = 0; i < 3; i++)
+        add_turned(&s, quarters, &ends[i], wide, &heights[i]);
+    add_turned(&s, quarters, post, wide, top);
+    const shb_map_desc desc = {
+        .view = probe_orthographic(reversed), .width = 16, .occluders = SHB_OCCLUDERS_PLANES};
     const shb_filter box = shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
     const shb_bias exact = shb_bias_exact();
-    const shb_points asked = {.count = 2, .positions = positions[0], .normals = normals[0]};
-    for (int reversed = 0; reversed < 2; reversed++) {
-        const shb_map_desc desc = {
-            .view = probe_orthographic(reversed), .width = 16, .occluders = SHB_OCCLUDERS_PLANES};
-        asked_map made = draw(SHB_ISA_BEST, &desc, &s);
-        float visibility[2];
-        CHECK_INT(shb_map_visibility(made.map, &asked, &exact, &box, visibility), SHB_OK);
-        CHECK(visibility[0] == 1);
-        CHECK_NEAR(visibility[1], 0.8, 1e-6);
-        close_map(&made);
+    asked_map made = draw(SHB_ISA_BEST, &desc, &s);
+    for (int i = 0; i < 2; i++) {
+        const float x = places[i], y = 0.01f, normal[3] = {0, 0, 1}, z = i ? 0.2f : 0;
+        const float positions[4][3] = {{x, y, z}, {-y, x, z}, {-x, -y, z}, {y, -x, z}};
+        const shb_points asked = {.count = 1, .positions = positions[quarters], .normals = normal};
+        float visibility;
+        CHECK_INT(shb_map_visibility(made.map, &asked, &exact, &box, &visibility), SHB_OK);
+        CHECK_NEAR(visibility, expected[i], 1e-6);
     }
+    close_map(&made);
     soup_free(&s);
+}
+
+TEST(what_stands_before_its_texel_is_not_on_the_sheet_there) {
+    for (int quarters = 0; quarters < 4; quarters++)
+        for (int reversed = 0; reversed < 2; reversed++)
+            check_post(quarters, reversed != 0);
 }
 
 /* ---- in every format, before steep planes ---- */
