@@ -38,7 +38,7 @@ TEST(a_point_is_moved_to_the_mean_of_its_feet_on_tangent_planes) {
 /* A hollow: the normals lean towards each other and the point lies above all tangent planes. */
 TEST(points_of_flat_and_hollow_surfaces_stay_where_they_are) {
     const shb_surface_triangle flat = octant(2, 2, 2), bare = octant(0, 0, 0);
-    const shb_surface_triangle broken = octant(NAN, 1, 0);
+    const shb_surface_triangle broken = octant((double)NAN, 1, 0);
     shb_surface_triangle hollow = octant(0, 0, 0);
     hollow.shading[0] = (shb_vec3){0, 1, 1};
     hollow.shading[1] = (shb_vec3){1, 0, 1};
