@@ -108,8 +108,7 @@ static void make_tile(void *arg, size_t index) {
     size_t count;
     const uint64_t *keys = shb_sheet_bin(job->bins, &job->mesh->frame, index, &count);
     shb_sheet_tile tile;
-    waiting w;
-    w.count = 0;
+    waiting w = {.count = 0}; /* vectors are read as a whole */
     begin_tile(job, index, &tile);
     for (size_t i = 0; i < count; i++) {
         const uint32_t id = (uint32_t)keys[i];
