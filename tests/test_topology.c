@@ -74,6 +74,29 @@ TEST(scenes_that_differ_anywhere_have_different_keys) {
     CHECK(key_of(&m, 2) == keys[0]);
 }
 
+/* Two unit squares side by side: the one's triangle 1 and the other's triangle 0, the scene's 2,
+ * have the edge at x = 1. */
+TEST(instances_are_one_mesh) {
+    enum { NONE = SHB_ID_NONE >> 3 };
+    static const uint32_t expected[4][3] = {
+        {NONE, 1, NONE}, {0, 2, NONE}, {NONE, 3, 1}, {2, NONE, NONE}};
+    two_meshes m;
+    shb_context *context;
+    shb_topology topology;
+    fill(&m);
+    m.instances[1].world_from_mesh.m[12] = 1;
+    m.instances[1].world_from_mesh.m[14] = -1;
+    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
+    CHECK(shb_topology_make(context, &(shb_scene){m.instances, 2}, 5, &topology));
+    CHECK_INT(topology.key, 5);
+    CHECK_INT(topology.triangle_count, 4);
+    CHECK_INT(topology.vertex_count, 6);
+    for (int i = 0; i < 12; i++)
+        CHECK_INT(shb_neighbour_of(topology.neighbours[i / 3][i % 3]), expected[i / 3][i % 3]);
+    shb_topology_release(context, &topology);
+    shb_context_destroy(context);
+}
+
 /* Two triangles with an edge on the plane x = 0, its vertices at 0 in one and at -0 in the other.
  */
 TEST(vertices_at_either_zero_are_one) {
