@@ -16,32 +16,36 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #define ROUNDING 0x1p-53
 
-static void stretch(float value, double *reach) {
-    const double size = fabs((double)value);
-    *reach = size > *reach ? size : *reach;
+/* Without signs, bits of floats are in the numbers' order, and what is not finite comes last. */
+static void stretch(const float *point, uint32_t largest[3]) {
+    uint32_t bits[3];
+    memcpy(bits, point, sizeof bits);
+    for (int axis = 0; axis < 3; axis++) {
+        const uint32_t size = bits[axis] & 0x7fffffff;
+        largest[axis] = size > largest[axis] ? size : largest[axis];
+    }
 }
 
 /* The largest size on each axis; false if some coordinate is not finite. */
 static bool reach_of(const shb_mesh *mesh, double reach[3]) {
-    bool finite = true;
-    reach[0] = reach[1] = reach[2] = 0;
+    uint32_t largest[3] = {0, 0, 0};
     for (size_t i = 0; mesh->clusters && i < mesh->clusters->count; i++) {
-        const shb_cluster *cluster = &mesh->clusters->clusters[i];
-        finite &= !isnan(cluster->lo[0]);
-        for (int axis = 0; axis < 3; axis++) {
-            stretch(cluster->lo[axis], &reach[axis]);
-            stretch(cluster->hi[axis], &reach[axis]);
-        }
+        stretch(mesh->clusters->clusters[i].lo, largest);
+        stretch(mesh->clusters->clusters[i].hi, largest);
     }
     for (uint32_t i = 0; !mesh->clusters && i < mesh->vertex_count; i++)
-        for (int axis = 0; axis < 3; axis++) {
-            const float value = shb_mesh_position(mesh, i)[axis];
-            finite &= fabsf(value) <= FLT_MAX;
-            stretch(value, &reach[axis]);
-        }
+        stretch(shb_mesh_position(mesh, i), largest);
+    bool finite = true;
+    for (int axis = 0; axis < 3; axis++) {
+        float size;
+        memcpy(&size, &largest[axis], sizeof size);
+        finite &= size <= FLT_MAX;
+        reach[axis] = (double)size;
+    }
     return finite;
 }
 
