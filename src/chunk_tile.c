@@ -14,7 +14,7 @@
 /* Tiles are as wide as the target, so that memory is written in long runs, and as many rows high as
  * give this many samples (powers of two): half of them where there is more than one layer, and less
  * where each triangle fills much of a tile or tiles are copied to the target, so that they stay in
- * a second-level cache. */
+ * a second-level cache. But clusters that lie in two tiles find their planes twice. */
 #define TILE_BITS 19
 #define LAYERED_TILE_BITS 18
 #define CACHED_TILE_BITS 17
@@ -104,9 +104,9 @@ static uint32_t count_layers(const shb_draw_desc *desc) {
 }
 
 static shb_tile_shape choose_shape(const shb_context *context, const shb_draw_desc *desc,
-                                   bool cached) {
+                                   bool finds_planes, bool cached) {
     const int column_bits = bits_of(desc->width < 16 ? 16 : desc->width);
-    const int bits = count_layers(desc) > 1 ? LAYERED_TILE_BITS : TILE_BITS;
+    const int bits = count_layers(desc) > 1 && !finds_planes ? LAYERED_TILE_BITS : TILE_BITS;
     int row_bits = (cached ? CACHED_TILE_BITS : bits) - column_bits;
     while (context->threads > 1 && desc->height >> row_bits < TILES_PER_THREAD * context->threads &&
            row_bits > ROW_BITS_MIN)
@@ -132,16 +132,17 @@ static bool suits_whole(const shb_context *context, const shb_draw_desc *desc, u
 }
 
 static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
-                        const shb_geometry *geometry) {
+                        const shb_target *target, const shb_geometry *geometry) {
     const uint64_t triangles = geometry->triangle_count;
     const bool few = geometry->few;
     const bool direct = can_draw_directly(desc);
-    return (grid){.direct = direct,
-                  .few = few,
-                  .whole =
-                      direct && !desc->tile_size && !few && suits_whole(context, desc, triangles),
-                  .shape = desc->tile_size ? square_shape(desc)
-                                           : choose_shape(context, desc, few || !direct)};
+    return (grid){
+        .direct = direct,
+        .few = few,
+        .whole = direct && !desc->tile_size && !few && suits_whole(context, desc, triangles),
+        .shape = desc->tile_size
+                     ? square_shape(desc)
+                     : choose_shape(context, desc, target->planes != NULL, few || !direct)};
 }
 
 static shb_samples tile_samples(const tile_job *job, size_t tile) {
@@ -354,7 +355,7 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .target = target,
                     .chunks = chunks,
                     .counts = stats != NULL,
-                    .grid = choose_grid(context, desc, geometry)};
+                    .grid = choose_grid(context, desc, target, geometry)};
     if (job.grid.direct)
         job.marks = target->marks;
     else
