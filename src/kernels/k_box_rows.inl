@@ -194,17 +194,32 @@ static inline ALWAYS_INLINE void R(ask_listed)(const box_batch *batch, bool smoo
     R(finish_boxes)(batch, smooth, &open, visibility);
 }
 
-static inline ALWAYS_INLINE void R(ask_copy)(const box_batch *batch, bool smooth, size_t i,
-                                             const texel_box *b, bool reversed, float *visibility) {
-    uint16_t fragments[WIDE];
-    row_ways ways;
+/* Those of such rows that are not in place: in map formats that are not float, and where the map
+ * ends. */
+static NEVER_INLINE void R(ask_copies)(box_batch *batch, bool smooth, size_t count,
+                                       float *visibility) {
     R(open_boxes) open;
-    open.n = batch->size[i];
+    open.n = 0;
     open.count = 0;
-    for (int lane = 0; lane < WIDE; lane++)
-        fragments[lane] = (uint16_t)i;
-    find_row_ways(batch, fragments, open.n, &ways);
-    R(find_shadowed)(batch, i, b, &ways, 0, reversed, &open);
+    for (size_t i = 0; i < count; i++) {
+        const int n = batch->size[i];
+        texel_box b;
+        if (batch->place[i] >= 0 || (n > 16) != (ROW_BITS > 16))
+            continue;
+        if (!copy_box(batch, i, &b)) {
+            visibility[i] = 1;
+            continue;
+        }
+        if (open.count == BOXES || open.n != n)
+            R(finish_boxes)(batch, smooth, &open, visibility);
+        uint16_t fragments[WIDE];
+        row_ways ways;
+        for (int lane = 0; lane < WIDE; lane++)
+            fragments[lane] = (uint16_t)i;
+        open.n = n;
+        find_row_ways(batch, fragments, n, &ways);
+        R(find_shadowed)(batch, i, &b, &ways, 0, batch->reversed, &open);
+    }
     R(finish_boxes)(batch, smooth, &open, visibility);
 }
 

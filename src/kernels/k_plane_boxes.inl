@@ -164,23 +164,12 @@ static void ask_open_boxes(const box_batch *batch, bool smooth, size_t count, fl
     }
 }
 
-/* In map formats that are not float, and where the map ends. */
-static NEVER_INLINE void ask_plane_copy(box_batch *batch, bool smooth, size_t i,
-                                        float *visibility) {
-    texel_box b;
-    if (!copy_box(batch, i, &b))
-        visibility[i] = 1;
-    else if (batch->size[i] <= 16)
-        ask_copy16(batch, smooth, i, &b, batch->reversed, visibility);
-    else
-        ask_copy64(batch, smooth, i, &b, batch->reversed, visibility);
-}
-
 /* Boxes whose texels all lie behind the fragment's plane are lit. */
 static void ask_plane_boxes(box_batch *batch, bool smooth, size_t count, float *visibility) {
     count_inside(batch, count, visibility);
     ask_open_boxes(batch, smooth, count, visibility);
-    for (size_t i = 0; i < count && !batch->all_inside; i++)
-        if (batch->place[i] < 0)
-            ask_plane_copy(batch, smooth, i, visibility);
+    if (batch->all_inside)
+        return;
+    ask_copies16(batch, smooth, count, visibility);
+    ask_copies64(batch, smooth, count, visibility);
 }
