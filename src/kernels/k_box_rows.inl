@@ -44,7 +44,7 @@ static inline ALWAYS_INLINE void R(find_shadowed_from)(const box_batch *batch, s
         memcpy(&slopes, occluders, sizeof slopes);
         const R(row) bits = (R(row))vi_bits(
             (stored < tap) & passes_in_front(own.z, own.base, &x, &y, stored, slopes));
-        shadowed->rows[k] = start ? (R(row))(shadowed->rows[k] | bits << start) : bits;
+        shadowed->rows[k] = (R(row))(start ? shadowed->rows[k] | bits << start : bits);
         texels += b->stride;
         occluders += b->occluder_stride;
     }
