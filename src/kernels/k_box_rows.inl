@@ -63,7 +63,7 @@ static inline ALWAYS_INLINE void R(find_shadowed)(const box_batch *batch, size_t
     for (int start = WIDE; start < open->n; start += WIDE)
         R(find_shadowed_from)(batch, i, b, ways, lane, open->n, start, reversed, shadowed);
     open->fragments[at] = (uint16_t)i;
-    open->own[at] = own_texel_of(b);
+    open->own[at] = own_texel_of(b, reversed);
 }
 
 /* Of rows first .. end - 1. */
@@ -117,7 +117,7 @@ static inline ALWAYS_INLINE float R(lit_part)(const box_batch *batch, size_t i,
  * a sheet that lights them. */
 static inline ALWAYS_INLINE size_t R(list_on_sheets)(const box_batch *batch,
                                                      const R(open_boxes) * open, uint16_t *boxes) {
-    size_t found = 0, kept = 0;
+    size_t found = 0;
     for (size_t k = 0; k < open->count; k++) {
         const size_t i = open->fragments[k];
         const int32_t x = batch->receivers->texel_x[i] - batch->left[i];
@@ -126,16 +126,7 @@ static inline ALWAYS_INLINE size_t R(list_on_sheets)(const box_batch *batch,
         found +=
             R(has_bits)(&open->shadowed[k], open->n) & (size_t) ~(open->shadowed[k].rows[y] >> x);
     }
-    for (size_t k = 0; k < found; k += WIDE) {
-        const size_t count = found - k < WIDE ? found - k : WIDE;
-        const uint32_t stands =
-            stand_on_own_texels(batch, open->fragments, open->own, boxes + k, count);
-        for (size_t lane = 0; lane < count; lane++) {
-            boxes[kept] = boxes[k + lane];
-            kept += stands >> lane & 1;
-        }
-    }
-    return kept;
+    return keep_standing(batch->mutual, open->fragments, open->own, boxes, found);
 }
 
 static inline ALWAYS_INLINE void R(light_sheets)(const box_batch *batch, R(open_boxes) * open) {

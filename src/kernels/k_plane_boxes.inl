@@ -46,16 +46,18 @@ static inline ALWAYS_INLINE void prefetch_slopes(const box_batch *batch, size_t 
         __builtin_prefetch(b.occluders + (size_t)row * b.occluder_stride);
 }
 
-/* What the map holds at a fragment, as a box has it. */
+/* What the map holds at a fragment. */
 typedef struct own_texel {
-    float depth;
+    float stored;
     uint32_t slopes;
 } own_texel;
 
-static inline ALWAYS_INLINE own_texel own_texel_of(const texel_box *b) {
+static inline ALWAYS_INLINE own_texel own_texel_of(const texel_box *b, bool reversed) {
     const size_t column = (size_t)-b->column, row = (size_t)-b->row;
     own_texel own;
-    memcpy(&own.depth, b->texels + column * sizeof own.depth + row * b->stride, sizeof own.depth);
+    float depth;
+    memcpy(&depth, b->texels + column * sizeof depth + row * b->stride, sizeof depth);
+    own.stored = reversed ? -depth : depth;
     memcpy(&own.slopes, b->occluders + column * sizeof own.slopes + row * b->occluder_stride,
            sizeof own.slopes);
     return own;
@@ -71,13 +73,13 @@ typedef struct standing {
 /* Whether fragments that their own texels do not shadow stand on what these hold, a bit each: not
  * if they lie before the texel's plane at their own place, and their own plane does at the centre.
  * boxes: numbers of count fragments and their texels. */
-static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const box_batch *batch,
+static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const mutual_batch *mutual,
                                                          const uint16_t *fragments,
                                                          const own_texel *own,
                                                          const uint16_t *boxes, size_t count) {
-    const mutual_batch *mutual = batch->mutual;
-    const shb_receivers *r = batch->receivers;
-    const float unit = length_unit(batch->map);
+    const shb_receivers *r = &mutual->receivers;
+    const shb_map_info *info = &mutual->map->info;
+    const float unit = length_unit(mutual->map);
     standing s;
     for (size_t lane = 0; lane < WIDE; lane++) {
         const size_t box = boxes[lane < count ? lane : 0], i = fragments[box];
@@ -90,7 +92,7 @@ static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const box_batch *batch,
         s.base[lane] = mutual->base[i];
         s.moved_x[lane] = mutual->moved_x[i];
         s.moved_y[lane] = mutual->moved_y[i];
-        s.stored[lane] = batch->reversed ? -own[box].depth : own[box].depth;
+        s.stored[lane] = own[box].stored;
         s.slopes[lane] = own[box].slopes;
     }
     const vu halves = vu_load(s.slopes);
@@ -99,14 +101,29 @@ static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const box_batch *batch,
     const vf slope_x = half_low(halves) * unit, slope_y = half_high(halves) * unit;
     const vf own_rise = vf_load(s.step_x) * to_x + vf_load(s.step_y) * to_y;
     const vf occluder_rise = slope_x * to_x + slope_y * to_y;
-    const vf error = vf_load(s.error) + (SHEET_DEPTH_ERROR * (vf_abs(z) + vf_abs(stored)) +
-                                         format_step(batch->map->info.format));
+    const vf error = vf_load(s.error) +
+                     (SHEET_DEPTH_ERROR * (vf_abs(z) + vf_abs(stored)) + format_step(info->format));
     const vf occluder_error =
         vf_load(s.base) + (vf_abs(slope_x) * (vf_load(s.moved_x) + SHEET_SLOPE_ERROR) +
                            vf_abs(slope_y) * (vf_load(s.moved_y) + SHEET_SLOPE_ERROR));
     const vf behind = stored - (z + own_rise), behind_at_fragment = (stored - occluder_rise) - z;
-    return vi_bits((stored < shb_far_depth(batch->reversed)) &
+    return vi_bits((stored < shb_far_depth(info->view.reversed)) &
                    ~((behind > error) & (behind_at_fragment > occluder_error)));
+}
+
+/* Leaves those of a list of boxes whose fragments stand on their own texels. */
+static size_t keep_standing(const mutual_batch *mutual, const uint16_t *fragments,
+                            const own_texel *own, uint16_t *boxes, size_t count) {
+    size_t kept = 0;
+    for (size_t k = 0; k < count; k += WIDE) {
+        const size_t lanes = count - k < WIDE ? count - k : WIDE;
+        const uint32_t stands = stand_on_own_texels(mutual, fragments, own, boxes + k, lanes);
+        for (size_t lane = 0; lane < lanes; lane++) {
+            boxes[kept] = boxes[k + lane];
+            kept += stands >> lane & 1;
+        }
+    }
+    return kept;
 }
 
 #define ROW_BITS 16

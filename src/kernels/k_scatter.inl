@@ -22,6 +22,7 @@ typedef struct scatter_batch {
     int32_t shadowed[SHB_BATCH];         /* taps */
     shb_tap_surface surfaces[SHB_BATCH]; /* of SHB_TAPS_NAIVE */
     mutual_batch *mutual;                /* of the exact method; else NULL */
+    held_taps *held;                     /* where the map keeps planes; else NULL */
 } scatter_batch;
 
 /* texel_size: NULL for a reach in texels. */
@@ -34,9 +35,14 @@ static void scatter_reach(const float *restrict texel_size, float reach, size_t 
     }
 }
 
-/* mutual: NULL but for the exact method. */
+/* Beyond all taps, whose places are rounded. */
+static int32_t side_of_square(float reach) {
+    return (int32_t)(reach * (1 + 0x1p-10f)) + 1;
+}
+
+/* mutual: NULL but for the exact method; held: room for its taps. */
 static void scatter_init(const shb_filter_args *args, float reach, float unit, float taps,
-                         mutual_batch *mutual, scatter_batch *batch) {
+                         mutual_batch *mutual, held_taps *held, scatter_batch *batch) {
     const shb_receivers *r = mutual ? &mutual->receivers : args->receivers;
     batch->map = args->map;
     batch->receivers = r;
@@ -50,11 +56,18 @@ static void scatter_init(const shb_filter_args *args, float reach, float unit, f
     memset(batch->shadowed, 0, sizeof batch->shadowed);
     for (size_t i = 0; batch->taps == SHB_TAPS_NAIVE && i < batch->lanes; i++)
         batch->surfaces[i] = shb_tap_surface_of(&args->map->rows, r, i);
+    batch->held = NULL;
     if (!mutual)
         return;
     for (size_t i = 0; i < batch->lanes; i++)
         mutual->reach[i] = batch->reach[i] * 1.5f + 2;
     mutual_batch_finish(mutual, args->count);
+    if (args->map->info.occluders == SHB_OCCLUDERS_TRIANGLES)
+        return;
+    batch->held = held;
+    drop_taps(held);
+    for (size_t i = 0; i < batch->lanes; i++)
+        held->side[i] = side_of_square(batch->reach[i]);
 }
 
 /* The texel in a row that holds a place d texels from the fragment. */
@@ -114,6 +127,17 @@ static void scatter_ask(scatter_batch *restrict batch, int32_t *restrict shadowe
         scatter_mutual(batch, shadowed);
 }
 
+/* Counts those that are held. */
+static void scatter_release(scatter_batch *batch) {
+    held_taps *held = batch->held;
+    if (!held->count)
+        return;
+    light_held(batch->mutual, batch->lanes, held);
+    for (size_t i = 0; i < batch->lanes; i++)
+        batch->shadowed[i] += __builtin_popcountll(held->shadowed[i]);
+    drop_taps(held);
+}
+
 /* The same for the tap at (dx, dy), added to the others. */
 static void scatter_add(scatter_batch *restrict batch) {
     const shb_receivers *r = batch->receivers;
@@ -122,12 +146,20 @@ static void scatter_add(scatter_batch *restrict batch) {
                    batch->texel_x);
     scatter_texels(batch->dy, r->to_center_y, r->texel_y, batch->lanes, batch->row, batch->texel_y);
     scatter_ask(batch, shadowed);
+    if (batch->held) {
+        hold_tap(batch->column, batch->row, shadowed, batch->lanes, batch->held);
+        if (batch->held->count == HELD_TAPS)
+            scatter_release(batch);
+        return;
+    }
     for (size_t i = 0; i < batch->lanes; i++)
         batch->shadowed[i] += shadowed[i];
 }
 
-static void scatter_finish(const scatter_batch *batch, int taps, float *restrict visibility) {
+static void scatter_finish(scatter_batch *batch, int taps, float *restrict visibility) {
     const double share = 1 / (double)taps;
+    if (batch->held)
+        scatter_release(batch);
     for (size_t i = 0; i < batch->lanes; i++)
         visibility[i] = (float)(share * (taps - batch->shadowed[i]));
 }
@@ -140,12 +172,13 @@ static void hash_positions(const shb_receivers *restrict r, size_t lanes, uint32
 /* params: count, radius, unit, taps. */
 static void ask_poisson(const shb_filter_args *args, mutual_batch *mutual) {
     scatter_batch batch;
+    held_taps held;
     SHB_ALIGN uint32_t hash[SHB_BATCH];
     SHB_ALIGN float cosine[SHB_BATCH], sine[SHB_BATCH];
     const float *params = args->filter->params;
     const float some = params[0] > 1 ? params[0] : 1;
     const int count = (int)(some < SHB_POISSON_MAX ? some : SHB_POISSON_MAX);
-    scatter_init(args, params[1], params[2], params[3], mutual, &batch);
+    scatter_init(args, params[1], params[2], params[3], mutual, &held, &batch);
     hash_positions(batch.receivers, batch.lanes, hash);
     for (size_t i = 0; i < batch.lanes; i++) {
         const int16_t *turn = shb_poisson_turns[hash[i] % SHB_POISSON_TURNS];
@@ -169,9 +202,10 @@ static void ask_poisson(const shb_filter_args *args, mutual_batch *mutual) {
 /* Each tap lies anywhere in its own cell of 4 x 4. params: size, unit, taps. */
 static void ask_jittered(const shb_filter_args *args, mutual_batch *mutual) {
     scatter_batch batch;
+    held_taps held;
     SHB_ALIGN uint32_t hash[SHB_BATCH];
     const float *params = args->filter->params;
-    scatter_init(args, params[0] / 2, params[1], params[2], mutual, &batch);
+    scatter_init(args, params[0] / 2, params[1], params[2], mutual, &held, &batch);
     hash_positions(batch.receivers, batch.lanes, hash);
     for (int k = 0; k < JITTER_ROW * JITTER_ROW; k++) {
         const float left = (float)(k % JITTER_ROW) - JITTER_ROW / 2;
@@ -202,7 +236,7 @@ static void bilinear(const shb_filter_args *args) {
     SHB_ALIGN int32_t shadowed[2][SHB_BATCH];
     SHB_ALIGN double lit[2][SHB_BATCH];
     const shb_receivers *r = args->receivers;
-    scatter_init(args, 0, SHB_UNIT_TEXEL, args->filter->params[2], NULL, &batch);
+    scatter_init(args, 0, SHB_UNIT_TEXEL, args->filter->params[2], NULL, NULL, &batch);
     for (int row = 0; row < 2; row++) {
         pair_of_texels(r->to_center_y, r->texel_y, row, batch.lanes, batch.row, batch.texel_y);
         for (int column = 0; column < 2; column++) {
