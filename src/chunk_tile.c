@@ -12,11 +12,9 @@
 #include <stdatomic.h>
 
 /* Tiles are as wide as the target, so that memory is written in long runs, and as many rows high as
- * give this many samples (powers of two): half of them where there is more than one layer, and less
- * where each triangle fills much of a tile or tiles are copied to the target, so that they stay in
- * a second-level cache. But clusters that lie in two tiles find their planes twice. */
+ * give this many samples (powers of two): less where each triangle fills much of a tile or tiles
+ * are copied to the target, so that they stay in a second-level cache. */
 #define TILE_BITS 19
-#define LAYERED_TILE_BITS 18
 #define CACHED_TILE_BITS 17
 #define ROW_BITS_MIN 4
 
@@ -98,16 +96,10 @@ static int bits_of(uint32_t value) {
     return bits;
 }
 
-/* The depth counts even where no image holds it. */
-static uint32_t count_layers(const shb_draw_desc *desc) {
-    return 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
-}
-
 static shb_tile_shape choose_shape(const shb_context *context, const shb_draw_desc *desc,
-                                   bool finds_planes, bool cached) {
+                                   bool cached) {
     const int column_bits = bits_of(desc->width < 16 ? 16 : desc->width);
-    const int bits = count_layers(desc) > 1 && !finds_planes ? LAYERED_TILE_BITS : TILE_BITS;
-    int row_bits = (cached ? CACHED_TILE_BITS : bits) - column_bits;
+    int row_bits = (cached ? CACHED_TILE_BITS : TILE_BITS) - column_bits;
     while (context->threads > 1 && desc->height >> row_bits < TILES_PER_THREAD * context->threads &&
            row_bits > ROW_BITS_MIN)
         row_bits--;
@@ -124,7 +116,7 @@ static shb_tile_shape square_shape(const shb_draw_desc *desc) {
 /* True if going straight through the target beats cutting it into tiles. */
 static bool suits_whole(const shb_context *context, const shb_draw_desc *desc, uint64_t triangles) {
     const uint32_t texels = desc->width * desc->height;
-    const uint32_t layers = count_layers(desc);
+    const uint32_t layers = 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
     if (context->threads == 1)
         return texels <= WHOLE_TEXELS / layers ||
                triangles >= layers * (texels / WHOLE_TEXELS_PER_TRIANGLE_ALONE);
@@ -132,17 +124,16 @@ static bool suits_whole(const shb_context *context, const shb_draw_desc *desc, u
 }
 
 static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
-                        const shb_target *target, const shb_geometry *geometry) {
+                        const shb_geometry *geometry) {
     const uint64_t triangles = geometry->triangle_count;
     const bool few = geometry->few;
     const bool direct = can_draw_directly(desc);
-    return (grid){
-        .direct = direct,
-        .few = few,
-        .whole = direct && !desc->tile_size && !few && suits_whole(context, desc, triangles),
-        .shape = desc->tile_size
-                     ? square_shape(desc)
-                     : choose_shape(context, desc, target->planes != NULL, few || !direct)};
+    return (grid){.direct = direct,
+                  .few = few,
+                  .whole =
+                      direct && !desc->tile_size && !few && suits_whole(context, desc, triangles),
+                  .shape = desc->tile_size ? square_shape(desc)
+                                           : choose_shape(context, desc, few || !direct)};
 }
 
 static shb_samples tile_samples(const tile_job *job, size_t tile) {
@@ -355,7 +346,7 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .target = target,
                     .chunks = chunks,
                     .counts = stats != NULL,
-                    .grid = choose_grid(context, desc, target, geometry)};
+                    .grid = choose_grid(context, desc, geometry)};
     if (job.grid.direct)
         job.marks = target->marks;
     else
