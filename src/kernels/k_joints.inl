@@ -9,12 +9,6 @@
 #define SHEET_SLOPE_ERROR ((float)SHB_HALF_RELATIVE + 0x1p-20f)
 #define SHEET_DEPTH_ERROR (8 * (float)SHB_FLOAT_ROUNDING)
 
-static inline float format_step(shb_format format) {
-    return format == SHB_FORMAT_UNORM16   ? 1.0f / UNORM16_MAX
-           : format == SHB_FORMAT_UNORM24 ? 1.0f / UNORM24_MAX
-                                          : 0;
-}
-
 /* The texels of a block's row and those to the right of it, in whole vectors. */
 #define SHEET_ROW (SHB_JOINT_COLUMNS + WIDE)
 
@@ -30,7 +24,7 @@ static inline ALWAYS_INLINE void read_sheet_row(const shb_map *map, int32_t colu
     const bool reversed = map->info.view.reversed;
     const float far_depth = shb_far_depth(reversed), unit = length_unit(map);
     const float least = 2 * (float)(SHB_HALF_ABSOLUTE * map->occluders.slope_unit) +
-                        format_step(map->info.format) / 2;
+                        shb_format_step(map->info.format) / 2;
     const int32_t left = (int32_t)map->info.width - column;
     const int32_t count = row >= (int32_t)map->info.height ? 0
                           : left < SHEET_ROW               ? left

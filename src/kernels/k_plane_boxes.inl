@@ -101,8 +101,8 @@ static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const mutual_batch *mut
     const vf slope_x = half_low(halves) * unit, slope_y = half_high(halves) * unit;
     const vf own_rise = vf_load(s.step_x) * to_x + vf_load(s.step_y) * to_y;
     const vf occluder_rise = slope_x * to_x + slope_y * to_y;
-    const vf error = vf_load(s.error) +
-                     (SHEET_DEPTH_ERROR * (vf_abs(z) + vf_abs(stored)) + format_step(info->format));
+    const vf error = vf_load(s.error) + (SHEET_DEPTH_ERROR * (vf_abs(z) + vf_abs(stored)) +
+                                         shb_format_step(info->format));
     const vf occluder_error =
         vf_load(s.base) + (vf_abs(slope_x) * (vf_load(s.moved_x) + SHEET_SLOPE_ERROR) +
                            vf_abs(slope_y) * (vf_load(s.moved_y) + SHEET_SLOPE_ERROR));
