@@ -112,3 +112,23 @@ slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int
         reach(map, &box, x - box.left, y - box.top);
     return box;
 }
+
+/* How much of the texel at this place a side of length n - 1 around the middle covers. */
+static double covered_side(double middle, int texel, int n) {
+    const double half = (n - 1) / 2.0;
+    return fmax(fmin(middle + half, texel + 1.0) - fmax(middle - half, texel), 0);
+}
+
+double slow_lit_in_box(const shb_map *map, const shb_exact_fragment *fragment, int n, bool smooth) {
+    const double x = fragment->point.x, y = fragment->point.y;
+    const slow_box box = slow_box_of(map, fragment, n);
+    double lit = 0, all = 0;
+    for (int k = 0; k < n; k++)
+        for (int j = 0; j < n; j++) {
+            const int column = box.left + j, row = box.top + k;
+            const double part = smooth ? covered_side(x, column, n) * covered_side(y, row, n) : 1;
+            lit += part * (box.sheet[k][j] || !slow_tap_is_shadowed(map, fragment, column, row));
+            all += part;
+        }
+    return lit / all;
+}

@@ -20,4 +20,8 @@ typedef struct slow_box {
  * one, and that to its plane; none where the map does not keep planes. */
 slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int n);
 
+/* The part of its taps that a box of n x n texels lets through, as the filters pcf and, if it is
+ * smooth, pcf-smooth weigh them. */
+double slow_lit_in_box(const shb_map *map, const shb_exact_fragment *fragment, int n, bool smooth);
+
 #endif

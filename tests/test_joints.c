@@ -1,0 +1,82 @@
+/* What is found of a map when it is asked: joints of texels. */
+#include "../src/context.h"
+
+#include "asked_map.h"
+#include "probe.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+TEST(exact_boxes_in_a_map_that_is_drawn_again_are_those_of_a_new_one) {
+    const shb_filter box = shb_filter_pcf(7, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+    const shb_bias exact = shb_bias_exact();
+    const shb_map_desc desc = {
+        .view = probe_orthographic(false), .width = 90, .occluders = SHB_OCCLUDERS_PLANES};
+    soup first = {0}, second = {0};
+    asked_scene_add(&first);
+    soup_add_quad(&second, (float[]){-1, -1, 0.3f}, (float[]){1, -1, 0.1f}, (float[]){1, 1, 0.9f},
+                  (float[]){-1, 1, -0.9f});
+    asked_scene_add_steep(&second);
+    asked_points *given = malloc(sizeof *given);
+    asked_points_fill(&second, 8, given);
+    asked_map drawn_again = asked_map_draw(SHB_ISA_BEST, &desc, &first);
+    asked_map fresh = asked_map_draw(SHB_ISA_BEST, &desc, &second);
+    float before[ASKED_POINTS], after[ASKED_POINTS], expected[ASKED_POINTS];
+    asked_map_ask(&drawn_again, given, &box, before);
+    CHECK_INT(shb_map_draw(drawn_again.map, soup_scene(&second), &exact, NULL), SHB_OK);
+    asked_map_ask(&drawn_again, given, &box, after);
+    asked_map_ask(&fresh, given, &box, expected);
+    CHECK(memcmp(after, expected, sizeof expected) == 0);
+    CHECK(memcmp(before, expected, sizeof expected) != 0);
+    asked_map_close(&fresh);
+    asked_map_close(&drawn_again);
+    free(given);
+    soup_free(&first);
+    soup_free(&second);
+}
+
+enum { ASKERS = 4 };
+
+typedef struct asked_at_once {
+    const asked_map *made;
+    const asked_points *given;
+    shb_result results[ASKERS + 1];
+    float seen[ASKERS + 1][ASKED_POINTS];
+} asked_at_once;
+
+/* Checks are for one thread. */
+static void ask_as_one_of_many(void *arg, size_t index) {
+    asked_at_once *all = arg;
+    const shb_filter box = shb_filter_pcf(5, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+    all->results[index] = asked_map_answer(all->made, all->given, &box, all->seen[index]);
+}
+
+TEST(threads_that_ask_a_new_map_at_once_get_the_answers_of_one) {
+    const shb_context_desc many = {.threads = ASKERS};
+    const shb_map_desc desc = {
+        .view = probe_orthographic(false), .width = 200, .occluders = SHB_OCCLUDERS_PLANES};
+    shb_context *threads = NULL;
+    soup s = {0};
+    asked_scene_add(&s);
+    asked_at_once *all = malloc(sizeof *all);
+    asked_points *given = malloc(sizeof *given);
+    asked_points_fill(&s, 9, given);
+    CHECK_INT(shb_context_create(&many, &threads), SHB_OK);
+    for (int i = 0; i < 20; i++) {
+        asked_map made = asked_map_draw(SHB_ISA_BEST, &desc, &s);
+        all->made = &made;
+        all->given = given;
+        shb_parallel_for(threads, ask_as_one_of_many, all, ASKERS);
+        ask_as_one_of_many(all, ASKERS);
+        for (int k = 0; k <= ASKERS; k++) {
+            CHECK_INT(all->results[k], SHB_OK);
+            CHECK(memcmp(all->seen[k], all->seen[ASKERS], sizeof *all->seen) == 0);
+        }
+        asked_map_close(&made);
+    }
+    shb_context_destroy(threads);
+    free(given);
+    free(all);
+    soup_free(&s);
+}
