@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "matrix.h"
 #include "vector.h"
 
 static uint32_t reverse_bits(uint32_t n) {
@@ -27,22 +28,6 @@ shb_area_place shb_area_shift(shb_area_place place, shb_area_place by) {
     return (shb_area_place){wrap(place.s + by.s), wrap(place.t + by.t)};
 }
 
-/* Sine and cosine of an angle of at most pi / 4 by their Taylor series, whose rests are below
- * 2^-53: the same bits with every C library. */
-static void sine_cosine(double angle, double *sine, double *cosine) {
-    static const double factors[] = {1 / 2.,   1 / 6.,   1 / 12.,  1 / 20.,  1 / 30.,  1 / 42.,
-                                     1 / 56.,  1 / 72.,  1 / 90.,  1 / 110., 1 / 132., 1 / 156.,
-                                     1 / 182., 1 / 210., 1 / 240., 1 / 272.};
-    const double x = angle * angle;
-    double s = 1, c = 1;
-    for (int k = 14; k >= 0; k -= 2) {
-        c = 1 - c * (x * factors[k]);
-        s = 1 - s * (x * factors[k + 1]);
-    }
-    *sine = angle * s;
-    *cosine = c;
-}
-
 /* A point of the square -1 .. 1 to the unit disk, squares around the middle to circles of the same
  * part of the area (Shirley and Chiu 1997). */
 static void square_to_disk(double *a, double *b) {
@@ -52,7 +37,7 @@ static void square_to_disk(double *a, double *b) {
     if (radius == 0)
         return;
     double sine, cosine;
-    sine_cosine(quarter_pi * (other / radius), &sine, &cosine);
+    shb_sine_cosine(quarter_pi * (other / radius), &sine, &cosine);
     *a = radius * (is_steep ? sine : cosine);
     *b = radius * (is_steep ? cosine : sine);
 }

@@ -102,9 +102,7 @@ static double series_cosine(double x) {
     return sum;
 }
 
-/* Sine and cosine by basic operations only: the C library's differ in the last place from system to
- * system, and a matrix must not. */
-static void sine_cosine(double angle, double *sine, double *cosine) {
+void shb_sine_cosine(double angle, double *sine, double *cosine) {
     /* pi / 2 in two parts; the first is short, so that quarters * pi_half is exact. */
     const double pi_half = 0x1.921fb544p0, pi_half_rest = 0x1.0b4611a626331p-34;
     const double quarters = floor(angle / (pi_half + pi_half_rest) + 0.5);
@@ -119,7 +117,7 @@ static void sine_cosine(double angle, double *sine, double *cosine) {
 shb_mat4 shb_mat4_rotation(shb_vec3 axis, double angle) {
     const shb_vec3 n = shb_vec3_normalize(axis);
     double s, c;
-    sine_cosine(angle, &s, &c);
+    shb_sine_cosine(angle, &s, &c);
     const double t = 1 - c;
     return (shb_mat4){{t * n.x * n.x + c, t * n.x * n.y + s * n.z, t * n.x * n.z - s * n.y, 0,
                        t * n.x * n.y - s * n.z, t * n.y * n.y + c, t * n.y * n.z + s * n.x, 0,
@@ -164,7 +162,7 @@ shb_mat4 shb_mat4_frustum(double half_width, double half_height, double near_dis
 shb_mat4 shb_mat4_perspective(double vertical_angle, double aspect, double near_distance,
                               double far_distance, bool reversed) {
     double s, c;
-    sine_cosine(0.5 * vertical_angle, &s, &c);
+    shb_sine_cosine(0.5 * vertical_angle, &s, &c);
     const double half_height = s / c;
     return shb_mat4_frustum(aspect * half_height, half_height, near_distance, far_distance,
                             reversed);

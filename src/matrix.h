@@ -1,8 +1,12 @@
-/* What inverting a matrix and finding a light have in common. */
+/* What matrices, views and lights have in common. */
 #ifndef SRC_MATRIX_H
 #define SRC_MATRIX_H
 
 #include "shadowbias/math.h"
+
+/* By basic operations only: the C library's differ in the last place from system to system, and a
+ * matrix or a light's point must not. */
+void shb_sine_cosine(double angle, double *sine, double *cosine);
 
 /* The cofactors of row 0 .. 3, a vector at right angles to the other three rows. Returns its dot
  * product with the row itself, the determinant; both times one and the same power of two, which

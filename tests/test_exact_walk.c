@@ -11,7 +11,8 @@
 
 #include <math.h>
 
-enum { SIZE = 16, POINTS_MAX = 32 };
+/* The longest ribbon has a triangle more than a walk. */
+enum { SIZE = 16, POINTS_MAX = SHB_WALK_MAX / 2 + 2 };
 
 /* A point of a profile; the light's view is -1 < x < 1. */
 typedef struct profile_point {
@@ -196,6 +197,28 @@ TEST(walks_are_cut_at_borders) {
     CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
     CHECK(walk.cut);
     CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+    ribbon_free(&r);
+}
+
+/* From the first triangle of a ribbon on there are two for each segment, the first one where the
+ * line has not yet crossed the diagonal, at 5/9 of the segment for y = 0.1. */
+TEST(walks_are_cut_where_they_get_too_long) {
+    const int last = SHB_WALK_MAX / 2;
+    const double start = -0.9, width = 1.8 / (last + 1);
+    ribbon r = {.count = last + 2};
+    for (int i = 0; i <= last + 1; i++)
+        r.points[i] = (profile_point){(float)(start + width * i), i % 2 ? 0.2f : 0.1f};
+    for (int i = 0; i <= last; i++)
+        add_segment(&r.s, r.points[i], r.points[i + 1], false);
+    draw(&r);
+    for (int too_long = 0; too_long < 2; too_long++) {
+        const int segment = too_long ? last : last - 1;
+        const double to = start + width * (segment + (too_long ? 0.25 : 0.75));
+        shb_walk walk = walk_of(&r, 0, start + 0.25 * width, to, 0.1);
+        CHECK_INT(shb_walk_next(&walk), too_long ? SHB_ID_NONE : triangle_at(&r, segment, to, 0.1));
+        CHECK(!too_long || walk.cut);
+        CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+    }
     ribbon_free(&r);
 }
 

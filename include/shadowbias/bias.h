@@ -162,7 +162,8 @@ shb_bias shb_bias_normal_offset(float texels, float depth);
 shb_bias shb_bias_receiver_plane(float epsilon);
 
 /* "texel-cone": the point moves radius * (1.16 * sin(theta) + 0.195) along its normal, radius being
- * half the diagonal of a texel at the fragment, taken for square. No parameter. */
+ * half the diagonal of a texel at the fragment, taken for square (shadow_normal_offset of Blender's
+ * EEVEE). No parameter. */
 shb_bias shb_bias_texel_cone(void);
 
 /* "midpoint": the map keeps the mean of its two nearest layers (Woo 1992); ref = depth. */
