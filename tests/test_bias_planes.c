@@ -114,6 +114,19 @@ TEST(slope_takes_off_the_larger_slope) {
     }
 }
 
+/* Planes that rise by 1 and by 2 along the axes: 2 / 16 is the larger of both slopes. */
+TEST(slope_takes_the_larger_axis_whatever_the_signs) {
+    const shb_bias bias = shb_bias_slope(1.5f, 4, 0);
+    const probe_light light = {probe_orthographic(false), 4, 4, 10};
+    for (int i = 0; i < 8; i++) {
+        const double one = i & 1 ? 1 : -1, two = i & 2 ? 2 : -2;
+        const shb_vec3 normal =
+            shb_vec3_normalize(i & 4 ? (shb_vec3){one, two, 1} : (shb_vec3){two, one, 1});
+        const probe seen = probe_fragment(&light, &bias, (shb_vec3){0.1, -0.3, 0.2}, normal);
+        check_plane(&seen, 0.475 - 1.5 * 2 / 16 - 4.0 / 16777216, 0, 0);
+    }
+}
+
 TEST(slope_is_clamped) {
     const shb_bias bias = shb_bias_slope(1, 0, 0.05f);
     check_flat(&bias, radians(60), 0.05, 0.05); /* tan / 16 = 0.108 */

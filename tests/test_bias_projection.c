@@ -167,6 +167,22 @@ TEST(texel_size_grows_with_the_distance) {
     CHECK_NEAR(project(view, 8, 16, (shb_vec3){0.5, 1, 1}).texel_size, 0.75, 0);
 }
 
+/* Texels of 2^200 units and depths of 2^200 per unit are beyond floats. */
+TEST(scales_of_any_view_are_finite) {
+    const double tiny = 0x1p-200, huge = 0x1p200;
+    const double suns[2][4][4] = {
+        {{tiny, 0, 0, 0}, {0, tiny, 0, 0}, {0, 0, -0.125, 0.5}, {0, 0, 0, 1}},
+        {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, -huge, 0.5}, {0, 0, 0, 1}}};
+    const double spots[2][4][4] = {
+        {{tiny, 0, 0, 0}, {0, tiny, 0, 0}, {0, 0, -1.5, 4.5}, {0, 0, -1, 4}},
+        {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, -1.5 * huge, 4.5 * huge}, {0, 0, -1, 4}}};
+    for (int i = 0; i < 4; i++) {
+        const shb_view view = probe_view(i < 2 ? suns[i] : spots[i - 2], false);
+        const probe seen = project(view, 8, 8, (shb_vec3){0, 0, 1});
+        CHECK(isfinite(seen.texel_size) && isfinite(seen.depth_per_world));
+    }
+}
+
 /* A frustum that looks half a width to the side. */
 TEST(texel_size_of_an_off_centre_frustum) {
     shb_view view = probe_perspective(false);
@@ -181,6 +197,16 @@ TEST(a_directional_light_has_one_direction) {
                           20, false, &view);
     CHECK_NEAR(project(view, 16, 16, (shb_vec3){0, 0, 0}).cosine, 0.8, 1e-7);
     CHECK_NEAR(project(view, 16, 16, (shb_vec3){2, -3, 5}).cosine, 0.8, 1e-7);
+}
+
+/* As long as rounding to floats may make it. */
+TEST(a_normal_a_little_too_long_has_a_cosine_of_one) {
+    const shb_bias offset = shb_bias_normal_offset(1, 0);
+    const probe_light light = {probe_orthographic(false), 8, 8, 1};
+    const probe seen =
+        probe_fragment(&light, &offset, (shb_vec3){0.25, 0.5, 1}, (shb_vec3){0, 0, 1 + 0x1p-22});
+    CHECK_NEAR(seen.cosine, 1, 0);
+    CHECK_NEAR(seen.z, 1, 0);
 }
 
 /* 20000 units from the origin, where a float resolves 1/512: the cosine still is that of the exact

@@ -186,6 +186,20 @@ TEST(shade_lambert_ambient_light_comes_from_above) {
     two_lights_destroy(&t);
 }
 
+/* The same normals have a cosine of 0.8 with both lights: the roots of 0.064 + 0.32 * 0.8, 0.064 +
+ * 0.6 * 0.8 and 0.064 + 0.25 * 0.8 are 144.25, 188.08 and 131.02 of 255. */
+TEST(shade_lambert_takes_the_cosine_for_every_colour) {
+    two_lights t;
+    two_lights_init(&t);
+    for (int k = 0; k < 12; k++)
+        t.q.normals[k] = k % 3 == 1 ? 0.6f : k % 3 == 2 ? -0.8f : 0;
+    t.q.mesh.normals = t.q.normals;
+    t.lights[0].color[2] = 0.25f;
+    CHECK_INT(shb_shade(t.context, &t.desc), SHB_OK);
+    check_pixel(t.pixels + 3 * 28, 144, 188, 131);
+    two_lights_destroy(&t);
+}
+
 static void write_odd_colors(const shb_shade_args *args) {
     const float *colors = args->user;
     for (size_t i = 0; i < args->count; i++) {

@@ -243,13 +243,15 @@ TEST(lanes_after_the_count_repeat_the_last_fragment) {
                            .needs = SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE};
     noise host;
     open_noise(&host, NULL);
-    const shb_points points = {.count = 5,
-                               .positions = data,
-                               .position_stride = 24,
-                               .normals = data + 3,
-                               .normal_stride = 24};
-    float visibility[5];
-    CHECK_INT(shb_map_visibility(host.map, &points, &bias, NULL, visibility), SHB_OK);
+    for (size_t stride = 12; stride <= 24; stride += 12) {
+        const shb_points points = {.count = 5,
+                                   .positions = data,
+                                   .position_stride = stride,
+                                   .normals = stride == 12 ? data + 3 * POINTS : data + 3,
+                                   .normal_stride = stride};
+        float visibility[5];
+        CHECK_INT(shb_map_visibility(host.map, &points, &bias, NULL, visibility), SHB_OK);
+    }
     close_noise(&host);
 }
 
