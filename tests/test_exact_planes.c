@@ -251,6 +251,37 @@ TEST(planes_answer_as_the_scalar_test_by_every_instruction_set) {
     soup_free(&s);
 }
 
+/* Points on a plate and below it, by up to twice of what rounding may hide, and behind the spot. */
+TEST(planes_answer_as_the_scalar_test_where_little_decides) {
+    static float points[3 * SAME_POINTS], normals[3 * SAME_POINTS];
+    const shb_points all = {.count = SAME_POINTS, .positions = points, .normals = normals};
+    const shb_vec3 normal = shb_vec3_normalize((shb_vec3){-0.5, 0.25, 1});
+    test_random random = {42};
+    soup s = {0};
+    soup_add_quad(&s, (float[]){-2, -2, 1.5f}, (float[]){2, -2, 3.5f}, (float[]){2, 2, 2.5f},
+                  (float[]){-2, 2, 0.5f});
+    for (int i = 0; i < 8; i++) {
+        const bool reversed = i & 1;
+        shb_map_desc desc = {.width = 40, .height = 24, .occluders = SHB_OCCLUDERS_PLANES};
+        desc.view = i & 2 ? probe_perspective(reversed) : probe_orthographic(reversed);
+        desc.format = i & 4 ? SHB_FORMAT_UNORM16 : SHB_FORMAT_FLOAT32;
+        const double deepest = i & 4 ? 1e-4 : 1e-5;
+        for (int k = 0; k < SAME_POINTS; k++) {
+            const double x = random_double(&random, -0.9, 0.9);
+            const double y = random_double(&random, -0.9, 0.9);
+            const double below = random_double(&random, 0, deepest);
+            points[3 * k] = (float)x;
+            points[3 * k + 1] = (float)y;
+            points[3 * k + 2] = (float)(k % 20 ? 2 + 0.5 * x - 0.25 * y - below : 5 + x);
+            normals[3 * k] = (float)normal.x;
+            normals[3 * k + 1] = (float)normal.y;
+            normals[3 * k + 2] = (float)normal.z;
+        }
+        check_same_answers(soup_scene(&s), &desc, &all);
+    }
+    soup_free(&s);
+}
+
 /* A ball and triangles of all sizes, so that texels hold runs of all lengths. */
 static void add_clutter(soup *s) {
     test_random random = {43};
