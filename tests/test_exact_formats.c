@@ -6,30 +6,11 @@
 
 #include "asked_map.h"
 #include "probe.h"
-#include "random.h"
 #include "slow_taps.h"
 #include "test.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-/* A rough sheet, up to the edge of the map. */
-static void add_relief(soup *s) {
-    enum { CELLS = 14 };
-    float corners[CELLS + 1][CELLS + 1][3];
-    test_random random = {10};
-    for (int row = 0; row <= CELLS; row++)
-        for (int column = 0; column <= CELLS; column++) {
-            float *corner = corners[row][column];
-            corner[0] = -0.4f + 0.1f * (float)column;
-            corner[1] = 0.1f + 0.065f * (float)row;
-            corner[2] = (float)random_double(&random, -0.25, -0.1);
-        }
-    for (int row = 0; row < CELLS; row++)
-        for (int column = 0; column < CELLS; column++)
-            soup_add_quad(s, corners[row][column], corners[row][column + 1],
-                          corners[row + 1][column + 1], corners[row + 1][column]);
-}
 
 /* What a filter lets through at a point by the scalar test. */
 typedef double slow_filter(const shb_map *map, const asked_points *given, int i,
@@ -68,7 +49,7 @@ static double lit_at_places(const shb_map *map, const asked_points *given, int i
     for (int k = 0; k < count; k++) {
         const int column = (int)floor(fragment.point.x + (double)places[k][0]);
         const int row = (int)floor(fragment.point.y + (double)places[k][1]);
-        lit += (square.n && square.sheet[row - square.top][column - square.left]) ||
+        lit += slow_is_on_sheet(&square, column, row) ||
                !slow_tap_is_shadowed(map, &fragment, column, row);
     }
     return (double)lit / count;
@@ -115,12 +96,11 @@ static bool has_unbounded_slopes(const shb_map *map) {
     return found;
 }
 
-/* The first count points, whose answers may be off by so much; few have a tap that is shadowed by
- * what snapping moves, which only the scalar test knows. */
-static void check_every_format(const shb_filter *filter, slow_filter *slow, int count, double off) {
+/* The first count points. Bounds that are taken for all taps at once may light one of a few. */
+static void check_every_format(const shb_filter *filter, slow_filter *slow, int count) {
     soup s = {0};
     asked_scene_add(&s);
-    add_relief(&s);
+    asked_scene_add_relief(&s);
     asked_points *given = malloc(sizeof *given);
     asked_points_fill(&s, (uint64_t)filter->params[0], given);
     asked_scene_add_steep(&s);
@@ -136,10 +116,10 @@ static void check_every_format(const shb_filter *filter, slow_filter *slow, int 
             asked_map_ask(&made, given, filter, seen);
             for (int i = 0; i < count; i++) {
                 const double lit = slow(made.map, given, i, filter);
-                darker += (double)seen[i] < lit - off;
-                lighter += (double)seen[i] > lit + off;
+                darker += (double)seen[i] < lit - 1e-5;
+                lighter += (double)seen[i] > lit + 1e-5;
             }
-            CHECK(darker <= ASKED_POINTS / 500);
+            CHECK_INT(darker, 0);
             CHECK(lighter <= ASKED_POINTS / 100);
             CHECK(has_unbounded_slopes(made.map));
             asked_map_close(&made);
@@ -148,10 +128,9 @@ static void check_every_format(const shb_filter *filter, slow_filter *slow, int 
     soup_free(&s);
 }
 
-/* Of the many taps of a wide box one often is such. */
 static void check_box(int n, int count) {
     const shb_filter box = shb_filter_pcf((float)n, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
-    check_every_format(&box, slow_pcf, count, n > 20 ? 1.5 / (n * n) : 1e-5);
+    check_every_format(&box, slow_pcf, count);
 }
 
 TEST(exact_boxes_agree_with_the_scalar_test_in_every_format) {
@@ -166,7 +145,7 @@ TEST(exact_boxes_agree_with_the_scalar_test_in_every_format) {
 
 static void check_smooth(int n, int count) {
     const shb_filter smooth = shb_filter_pcf_smooth((float)n, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
-    check_every_format(&smooth, slow_pcf_smooth, count, 1e-5);
+    check_every_format(&smooth, slow_pcf_smooth, count);
 }
 
 TEST(smooth_exact_boxes_agree_with_the_scalar_test_in_every_format) {
@@ -178,7 +157,7 @@ TEST(smooth_exact_boxes_agree_with_the_scalar_test_in_every_format) {
 
 static void check_jittered(float size, int count) {
     const shb_filter grid = shb_filter_jittered(size, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
-    check_every_format(&grid, slow_jittered, count, 1e-5);
+    check_every_format(&grid, slow_jittered, count);
 }
 
 TEST(exact_jittered_taps_agree_with_the_scalar_test_in_every_format) {
@@ -191,7 +170,7 @@ TEST(exact_jittered_taps_agree_with_the_scalar_test_in_every_format) {
 
 static void check_poisson(int taps, float radius, int count) {
     const shb_filter disk = shb_filter_poisson((float)taps, radius, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
-    check_every_format(&disk, slow_poisson, count, 1e-5);
+    check_every_format(&disk, slow_poisson, count);
 }
 
 TEST(exact_taps_on_disks_agree_with_the_scalar_test_in_every_format) {

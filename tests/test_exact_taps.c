@@ -153,6 +153,7 @@ static void check_isas(bool spot, shb_occluders occluders) {
                                .occluders = occluders};
     soup s = {0};
     asked_scene_add(&s);
+    asked_scene_add_relief(&s);
     if (spot)
         asked_scene_lift(&s);
     asked_points *given = malloc(sizeof *given);

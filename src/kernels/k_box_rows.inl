@@ -195,7 +195,7 @@ static NEVER_INLINE void R(ask_copies)(box_batch *batch, bool smooth, size_t cou
     for (size_t i = 0; i < count; i++) {
         const int n = batch->size[i];
         texel_box b;
-        if (batch->place[i] >= 0 || (n > 16) != (ROW_BITS > 16))
+        if (batch->place[i] >= 0 || row_bits_of(n) != ROW_BITS)
             continue;
         if (!copy_box(batch, i, &b)) {
             visibility[i] = 1;

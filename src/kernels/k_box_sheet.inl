@@ -16,9 +16,10 @@ typedef struct R(sheet_row) {
     R(rows) sheet;
 } R(sheet_row);
 
-/* The rows of boxes, after one that is empty. */
+/* The rows of boxes, after one that is empty, and their columns. */
 typedef struct R(sheet_rows) {
     R(sheet_row) rows[1 + ROW_BITS];
+    R(rows) columns;
 } R(sheet_rows);
 
 /* Joints of n texels of a row from one of the first word's on. */
@@ -51,6 +52,7 @@ static inline ALWAYS_INLINE void R(clear_sheets)(R(sheet_rows) * sheets, int n) 
     memset(&sheets->rows[0], 0, sizeof sheets->rows[0]);
     for (int k = 1; k <= n; k++)
         sheets->rows[k].sheet = (R(rows)){0};
+    sheets->columns = (R(rows)){0} + (R(row))((R(row)) ~(R(row))0 >> (ROW_BITS - n));
 }
 
 /* A box of n x n texels whose first one is that at left and top, around one in the map that is
@@ -80,6 +82,16 @@ static inline ALWAYS_INLINE void R(enter_sheet)(const shb_map *map, int32_t left
     rows[own_y - top].sheet[lane] = (R(row))((R(row))1 << (own_x - left));
 }
 
+/* Leaves of a box with half texels on each side of its middle one a square with side of them. */
+static inline ALWAYS_INLINE void R(narrow_sheet)(int half, int side, size_t lane,
+                                                 R(sheet_rows) * sheets) {
+    R(sheet_row) *rows = sheets->rows + 1, *last = &rows[half + side];
+    const int first = half - side;
+    sheets->columns[lane] = (R(row))((R(row)) ~(R(row))0 >> (ROW_BITS - 1 - 2 * side) << first);
+    R(clear_joint_row)(lane, &rows[first - 1]);
+    last->below[lane] = last->falling[lane] = last->rising[lane] = 0;
+}
+
 /* All that some of a row reaches along it. right: a bit joins its column with the next. A sum
  * carries the lowest of each run of joints up to the run's end; steps of twice the length lead down
  * again. */
@@ -99,6 +111,8 @@ static inline ALWAYS_INLINE R(rows) R(reach_along)(R(rows) some, R(rows) right, 
 #if ROW_BITS > 16
     right &= right >> 8;
     some |= some >> 16 & right;
+#endif
+#if ROW_BITS > 32
     right &= right >> 16;
     some |= some >> 32 & right;
 #endif
@@ -127,25 +141,34 @@ static inline ALWAYS_INLINE R(rows) R(grow_up)(R(sheet_row) * row, R(rows) all, 
     return R(grow_row)(row, entered, all, n);
 }
 
-/* From what is reached on, down and up again, until nothing is new; of count lanes. */
+static inline ALWAYS_INLINE bool R(has_grown)(R(rows) grown) {
+    int32_t news[sizeof(R(rows)) / sizeof(int32_t)];
+    memcpy(news, &grown, sizeof news);
+    return any_set(news, sizeof news / sizeof *news);
+}
+
+/* From what is reached on, down and up by turns, until nothing is new; of count lanes. What was
+ * just gone through in one direction has nothing new before the other has. */
 static NEVER_INLINE void R(follow_sheets)(R(sheet_rows) * sheets, size_t count, int n) {
-    const R(rows) all = (R(rows)){0} + (R(row))((R(row)) ~(R(row))0 >> (ROW_BITS - n));
+    const R(rows) all = sheets->columns;
     R(sheet_row) *rows = sheets->rows + 1;
     for (size_t lane = count; lane < ROW_LANES; lane++)
         for (int k = 0; k < n; k++)
             R(clear_joint_row)(lane, &rows[k]);
-    int32_t news[sizeof(R(rows)) / sizeof(int32_t)];
-    int first = (n - 1) / 2;
-    R(rows) grown;
-    do {
-        grown = (R(rows)){0};
+    int first = (n - 1) / 2; /* nothing is reached above that row yet */
+    for (bool again = false;; again = true) {
+        R(rows) grown = {0};
         for (int k = first; k < n; k++)
             grown |= R(grow_down)(&rows[k], all, n);
+        if (again && !R(has_grown)(grown))
+            return;
+        grown = (R(rows)){0};
         for (int k = n - 2; k >= 0; k--)
             grown |= R(grow_up)(&rows[k], all, n);
+        if (!R(has_grown)(grown))
+            return;
         first = 0;
-        memcpy(news, &grown, sizeof news);
-    } while (any_set(news, sizeof news / sizeof *news));
+    }
 }
 
 #undef ROW_LANES

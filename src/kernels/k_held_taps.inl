@@ -16,6 +16,9 @@ typedef struct held_taps {
 #define ROW_BITS 16
 #include "k_held_rows.inl"
 #undef ROW_BITS
+#define ROW_BITS 32
+#include "k_held_rows.inl"
+#undef ROW_BITS
 #define ROW_BITS 64
 #include "k_held_rows.inl"
 #undef ROW_BITS
@@ -35,55 +38,38 @@ static void hold_tap(const int32_t *column, const int32_t *row, const int32_t *s
     }
 }
 
-/* Those with shadowed taps, in squares that are not too large for sheets, whose own texel is none
- * of these. */
+/* Those with shadowed taps, in squares that are not too large for sheets. */
 static size_t list_held(mutual_batch *mutual, size_t lanes, const held_taps *held,
-                        uint16_t *fragments, own_texel *own) {
-    const shb_receivers *r = &mutual->receivers;
-    const shb_map_info *info = &mutual->map->info;
-    const float far_depth = shb_far_depth(info->view.reversed);
-    float depths[SHB_BATCH];
+                        uint16_t *fragments) {
+    own_texel own[SHB_BATCH + 1];
     size_t found = 0;
-    fetch(mutual->map, lanes, r->texel_x, r->texel_y, depths);
     for (size_t i = 0; i < lanes; i += WIDE) {
-        const vi x = vi_load(r->texel_x + i), y = vi_load(r->texel_y + i);
-        const vf stored = vf_load(depths + i);
         int32_t shadowed[WIDE];
         for (size_t lane = 0; lane < WIDE; lane++)
             shadowed[lane] = held->shadowed[i + lane] != 0;
-        vi open = (vi_load(shadowed) != 0) & (vi_load(held->side + i) <= BOX_MAX / 2) &
-                  (stored < far_depth) & ((vu)x < info->width) & ((vu)y < info->height);
-        if (!vi_any(open))
-            continue;
-        const vu slopes = gather_occluders(mutual->map, x & open, y & open);
-        open &= ~shadowed_taps(mutual, i, open & (stored < vf_load(r->ref + i)), vf_splat(0),
-                               vf_splat(0), stored);
-        for (size_t lane = 0; lane < WIDE; lane++) {
-            fragments[found] = (uint16_t)(i + lane);
-            own[found] = (own_texel){stored[lane], slopes[lane]};
-            found += open[lane] & 1;
-        }
+        const vi open = (vi_load(shadowed) != 0) & (vi_load(held->side + i) <= BOX_MAX / 2);
+        found = list_lit_by_own(mutual, i, open, fragments, own, found);
     }
-    return found;
+    return keep_on_own(mutual, own, fragments, found);
 }
 
 /* Taps on the sheets of their fragments are shadowed no more. */
 static void light_held(mutual_batch *mutual, size_t lanes, held_taps *held) {
-    uint16_t fragments[SHB_BATCH + 1], listed[SHB_BATCH];
-    own_texel own[SHB_BATCH + 1];
-    size_t count = list_held(mutual, lanes, held, fragments, own);
+    uint16_t fragments[SHB_BATCH + 1];
+    int32_t sides[SHB_BATCH];
+    const size_t count = list_held(mutual, lanes, held, fragments);
     for (size_t k = 0; k < count; k++)
-        listed[k] = (uint16_t)k;
-    count = keep_standing(mutual, fragments, own, listed, count);
-    for (size_t k = 0; k < count; k++)
-        listed[k] = fragments[listed[k]];
+        sides[k] = held->side[fragments[k]];
     for (size_t first = 0, end; first < count; first = end) {
-        const int side = held->side[listed[first]];
-        for (end = first + 1; end < count && held->side[listed[end]] == side;)
-            end++;
-        if (2 * side < 16)
-            light_squares16(mutual, listed + first, end - first, side, held);
+        const int bits = row_bits_of(2 * sides[first] + 1);
+        int32_t half = sides[first];
+        for (end = first + 1; end < count && row_bits_of(2 * sides[end] + 1) == bits; end++)
+            half = sides[end] > half ? sides[end] : half;
+        if (bits == 16)
+            light_squares16(mutual, fragments + first, sides + first, end - first, half, held);
+        else if (bits == 32)
+            light_squares32(mutual, fragments + first, sides + first, end - first, half, held);
         else
-            light_squares64(mutual, listed + first, end - first, side, held);
+            light_squares64(mutual, fragments + first, sides + first, end - first, half, held);
     }
 }

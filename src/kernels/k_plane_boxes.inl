@@ -101,11 +101,11 @@ static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const mutual_batch *mut
     const vf slope_x = half_low(halves) * unit, slope_y = half_high(halves) * unit;
     const vf own_rise = vf_load(s.step_x) * to_x + vf_load(s.step_y) * to_y;
     const vf occluder_rise = slope_x * to_x + slope_y * to_y;
-    const vf error = vf_load(s.error) + (SHEET_DEPTH_ERROR * (vf_abs(z) + vf_abs(stored)) +
-                                         shb_format_step(info->format));
+    const float step = shb_format_step(info->format);
+    const vf error = vf_load(s.error) + (SHEET_DEPTH_ERROR * (vf_abs(z) + vf_abs(stored)) + step);
     const vf occluder_error =
-        vf_load(s.base) + (vf_abs(slope_x) * (vf_load(s.moved_x) + SHEET_SLOPE_ERROR) +
-                           vf_abs(slope_y) * (vf_load(s.moved_y) + SHEET_SLOPE_ERROR));
+        (vf_load(s.base) + step) + (vf_abs(slope_x) * (vf_load(s.moved_x) + SHEET_SLOPE_ERROR) +
+                                    vf_abs(slope_y) * (vf_load(s.moved_y) + SHEET_SLOPE_ERROR));
     const vf behind = stored - (z + own_rise), behind_at_fragment = (stored - occluder_rise) - z;
     return vi_bits((stored < shb_far_depth(info->view.reversed)) &
                    ~((behind > error) & (behind_at_fragment > occluder_error)));
@@ -126,7 +126,15 @@ static size_t keep_standing(const mutual_batch *mutual, const uint16_t *fragment
     return kept;
 }
 
+/* Bits of the rows that hold boxes of n texels in a row. */
+static inline ALWAYS_INLINE int row_bits_of(int n) {
+    return n <= 16 ? 16 : n <= 32 ? 32 : 64;
+}
+
 #define ROW_BITS 16
+#include "k_box_rows.inl"
+#undef ROW_BITS
+#define ROW_BITS 32
 #include "k_box_rows.inl"
 #undef ROW_BITS
 #define ROW_BITS 64
@@ -165,6 +173,8 @@ static NEVER_INLINE void ask_listed(const box_batch *batch, bool smooth, const u
         ask_listed16(batch, smooth, fragments, count, n, true, visibility);
     else if (n <= 16)
         ask_listed16(batch, smooth, fragments, count, n, false, visibility);
+    else if (n <= 32)
+        ask_listed32(batch, smooth, fragments, count, n, reversed, visibility);
     else
         ask_listed64(batch, smooth, fragments, count, n, reversed, visibility);
 }
@@ -188,5 +198,6 @@ static void ask_plane_boxes(box_batch *batch, bool smooth, size_t count, float *
     if (batch->all_inside)
         return;
     ask_copies16(batch, smooth, count, visibility);
+    ask_copies32(batch, smooth, count, visibility);
     ask_copies64(batch, smooth, count, visibility);
 }

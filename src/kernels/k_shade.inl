@@ -42,6 +42,8 @@
 
 #include "k_filter_exact.inl"
 
+#include "k_squares.inl"
+
 #include "k_held_taps.inl"
 
 #include "k_scatter.inl"

@@ -89,6 +89,23 @@ void asked_scene_add(soup *s) {
     soup_add_box(s, (float[]){0.3f, -0.9f, -0.8f}, (float[]){0.5f, 0.9f, 0.9f});
 }
 
+void asked_scene_add_relief(soup *s) {
+    enum { CELLS = 14 };
+    float corners[CELLS + 1][CELLS + 1][3];
+    test_random random = {10};
+    for (int row = 0; row <= CELLS; row++)
+        for (int column = 0; column <= CELLS; column++) {
+            float *corner = corners[row][column];
+            corner[0] = -0.4f + 0.1f * (float)column;
+            corner[1] = 0.1f + 0.065f * (float)row;
+            corner[2] = (float)random_double(&random, -0.25, -0.1);
+        }
+    for (int row = 0; row < CELLS; row++)
+        for (int column = 0; column < CELLS; column++)
+            soup_add_quad(s, corners[row][column], corners[row][column + 1],
+                          corners[row + 1][column + 1], corners[row + 1][column]);
+}
+
 void asked_scene_add_steep(soup *s) {
     soup_add_quad(s, (float[]){-0.9f, -0.9f, -0.8f}, (float[]){-0.86f, -0.9f, 0.8f},
                   (float[]){-0.86f, 0.9f, 0.8f}, (float[]){-0.9f, 0.9f, -0.8f});

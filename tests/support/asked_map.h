@@ -39,6 +39,9 @@ void asked_map_ask(const asked_map *made, const asked_points *given, const shb_f
 /* A ball over a tilted floor, and a wall that stands on it. */
 void asked_scene_add(soup *s);
 
+/* A rough sheet, up to the edge of the map. */
+void asked_scene_add_relief(soup *s);
+
 /* A plane of 88.5 degrees, and many of so much that halves do not hold their slopes. */
 void asked_scene_add_steep(soup *s);
 

@@ -50,6 +50,15 @@ static bool planes_meet(const shb_map *map, const sheet_plane *a, const sheet_pl
     return is_known(a) && is_known(b) && fmin(fmax(ahead, back), -fmin(ahead, back)) <= error;
 }
 
+/* The scalar test less what it allows for snapping, which taps do not. */
+static bool is_shadowed(const shb_exact_fragment *fragment, const shb_exact_sample *sample) {
+    shb_exact_fragment strict = *fragment;
+    const double turn =
+        fabs(fragment->slopes.x - sample->slope_x) + fabs(fragment->slopes.y - sample->slope_y);
+    strict.error -= turn * SHB_SNAPPED_TEXELS;
+    return shb_exact_is_shadowed(&strict, sample);
+}
+
 bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y) {
     if (!is_in_map(map, x, y))
         return false;
@@ -62,7 +71,7 @@ bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment
         sample.slope_x = plane->slope_x;
         sample.slope_y = plane->slope_y;
         sample.depth = shb_occluder_depth(plane, x + 0.5, y + 0.5) + plane->error;
-        return shb_exact_is_shadowed(fragment, &sample);
+        return is_shadowed(fragment, &sample);
     }
     const double unit = map->occluders.slope_unit;
     const sheet_plane plane = plane_of_texel(map, x, y);
@@ -71,7 +80,7 @@ bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment
     sample.slope_y = plane.slope_y;
     sample.slope_error_x = fabs(sample.slope_x) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
     sample.slope_error_y = fabs(sample.slope_y) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
-    return plane.is_covered && shb_exact_is_shadowed(fragment, &sample);
+    return plane.is_covered && is_shadowed(fragment, &sample);
 }
 
 /* A texel, and those that are joined to it one after the other. */
@@ -108,9 +117,14 @@ slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int
                              true,
                              true};
     const sheet_plane texel = plane_of_texel(map, x, y);
-    if (planes_meet(map, &own, &texel))
+    if (planes_meet(map, &own, &texel) && !slow_tap_is_shadowed(map, fragment, x, y))
         reach(map, &box, x - box.left, y - box.top);
     return box;
+}
+
+bool slow_is_on_sheet(const slow_box *box, int x, int y) {
+    const int column = x - box->left, row = y - box->top;
+    return column >= 0 && row >= 0 && column < box->n && row < box->n && box->sheet[row][column];
 }
 
 /* How much of the texel at this place a side of length n - 1 around the middle covers. */

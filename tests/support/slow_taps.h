@@ -5,7 +5,8 @@
 #include "../../src/exact.h"
 #include "../../src/map.h"
 
-/* By the test of mutual planes alone; texels outside the map shadow nothing. */
+/* By the test of mutual planes alone, with nothing allowed for snapping; texels outside the map
+ * shadow nothing. */
 bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y);
 
 enum { SLOW_BOX_MAX = 63 };
@@ -17,8 +18,12 @@ typedef struct slow_box {
 } slow_box;
 
 /* The n x n texels nearest to the fragment. Those of its sheet are those that are joined to its own
- * one, and that to its plane; none where the map does not keep planes. */
+ * one, and that to its plane; none where that shadows the fragment, or the map does not keep
+ * planes. */
 slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int n);
+
+/* Of any texel; of a box without texels, none is. */
+bool slow_is_on_sheet(const slow_box *box, int x, int y);
 
 /* The part of its taps that a box of n x n texels lets through, as the filters pcf and, if it is
  * smooth, pcf-smooth weigh them. */
