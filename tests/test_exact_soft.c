@@ -1,4 +1,6 @@
 /* The exact method in both stages of percentage-closer soft shadows. */
+#include "../src/poisson.h"
+
 #include "asked_map.h"
 #include "probe.h"
 #include "slow_taps.h"
@@ -13,21 +15,43 @@ typedef struct slow_stage {
     double blocked, depth, all;
 } slow_stage;
 
-/* Every texel of a square of this half width, by the scalar test. Depths are canonical. */
-static slow_stage ask_slowly(const shb_map *map, const shb_exact_fragment *fragment, double half) {
-    const double x = fragment->point.x, y = fragment->point.y;
-    slow_stage stage = {0, 0, 4 * half * half};
-    for (int row = (int)floor(y - half); row < y + half; row++)
+/* A fragment, what its search and filter ask about it, and the sheet that it stands on. */
+typedef struct slow_soft {
+    const shb_map *map;
+    shb_exact_fragment fragment;
+    int taps; /* on the disk; 0: every texel */
+    double cosine, sine;
+    slow_box sheet;
+} slow_soft;
+
+/* By the scalar test; depths are canonical. */
+static void ask_texel(const slow_soft *soft, int column, int row, double weight,
+                      slow_stage *stage) {
+    const int32_t texel_x = column, texel_y = row;
+    float depth;
+    stage->all += weight;
+    if (slow_is_on_sheet(&soft->sheet, column, row) ||
+        !slow_tap_is_shadowed(soft->map, &soft->fragment, column, row))
+        return;
+    shb_map_fetch(soft->map, 1, &texel_x, &texel_y, &depth);
+    stage->blocked += weight;
+    stage->depth += weight * (double)depth;
+}
+
+/* Every texel of a square of this half width, or points of a disk with this radius. */
+static slow_stage ask_slowly(const slow_soft *soft, double half) {
+    const double x = soft->fragment.point.x, y = soft->fragment.point.y;
+    slow_stage stage = {0, 0, 0};
+    for (int k = 0; k < soft->taps; k++) {
+        const double px = shb_poisson_disk[k][0] / 16384.0, py = shb_poisson_disk[k][1] / 16384.0;
+        ask_texel(soft, (int)floor(x + half * (soft->cosine * px - soft->sine * py)),
+                  (int)floor(y + half * (soft->sine * px + soft->cosine * py)), 1, &stage);
+    }
+    for (int row = (int)floor(y - half); !soft->taps && row < y + half; row++)
         for (int column = (int)floor(x - half); column < x + half; column++) {
             const double w = fmin(column + 1, x + half) - fmax(column, x - half);
             const double h = fmin(row + 1, y + half) - fmax(row, y - half);
-            const int32_t texel_x = column, texel_y = row;
-            float depth;
-            if (!slow_tap_is_shadowed(map, fragment, column, row))
-                continue;
-            shb_map_fetch(map, 1, &texel_x, &texel_y, &depth);
-            stage.blocked += w * h;
-            stage.depth += w * h * (double)depth;
+            ask_texel(soft, column, row, w * h, &stage);
         }
     return stage;
 }
@@ -42,29 +66,44 @@ static double half_width(const shb_map *map, bool spot, double light, double own
     return fmax(width / 2, 0.5);
 }
 
-static double slow_soft(const shb_map *map, bool spot, double light, const asked_points *given,
-                        int i) {
-    shb_exact_fragment fragment;
-    if (!asked_point_fragment(map, given, i, &fragment))
-        return 1;
-    const shb_light_point *p = &fragment.point;
-    const double size = map->info.width, near_depth = map->info.view.reversed ? -1 : 0;
-    if (!(p->x >= 0 && p->y >= 0 && p->x < size && p->y < size))
-        return 1;
-    const slow_stage search =
-        ask_slowly(map, &fragment, half_width(map, spot, light, p->z, near_depth));
-    if (search.blocked == 0)
-        return 1;
-    const slow_stage filter = ask_slowly(
-        map, &fragment, half_width(map, spot, light, p->z, search.depth / search.blocked));
-    return 1 - filter.blocked / filter.all;
+/* Sheets go through a square that holds the search's kernel, of 31 texels on a side at most. */
+static slow_box sheet_of(const slow_soft *soft, double half) {
+    return slow_box_of(soft->map, &soft->fragment, 2 * (int)fmin(floor(half + 1), 15) + 1);
 }
 
-static void check_soft_against_scalar(bool spot, bool reversed, shb_occluders occluders) {
-    const double light = spot ? 0.1 : 0.05;
-    const shb_filter filter = shb_filter_pcss((float)light, 0, 0, SHB_TAPS_PLANE);
+static double slow_visibility(const asked_map *made, bool spot, const shb_filter *filter,
+                              const asked_points *given, int i, bool sheets) {
+    const float *p = given->positions + 3 * i;
+    const int16_t *turn = shb_poisson_turns[shb_poisson_turn(p[0], p[1], p[2])];
+    slow_soft soft = {.map = made->map,
+                      .taps = (int)filter->params[1],
+                      .cosine = turn[0] / 16384.0,
+                      .sine = turn[1] / 16384.0};
+    if (!asked_point_fragment(soft.map, given, i, &soft.fragment))
+        return 1;
+    const double light = (double)filter->params[0], size = soft.map->info.width;
+    const double near_depth = soft.map->info.view.reversed ? -1 : 0;
+    const shb_light_point *at = &soft.fragment.point;
+    if (!(at->x >= 0 && at->y >= 0 && at->x < size && at->y < size))
+        return 1;
+    const double half = half_width(soft.map, spot, light, at->z, near_depth);
+    if (sheets)
+        soft.sheet = sheet_of(&soft, half);
+    const slow_stage search = ask_slowly(&soft, half);
+    if (search.blocked == 0)
+        return 1;
+    const slow_stage last =
+        ask_slowly(&soft, half_width(soft.map, spot, light, at->z, search.depth / search.blocked));
+    return 1 - last.blocked / last.all;
+}
+
+static void check_soft_against_scalar(bool spot, bool reversed, shb_occluders occluders,
+                                      double light, int taps) {
+    const shb_filter filter = shb_filter_pcss((float)light, taps, taps, SHB_TAPS_PLANE);
     soup s = {0};
     asked_scene_add(&s);
+    if (occluders == SHB_OCCLUDERS_PLANES)
+        asked_scene_add_relief(&s);
     if (spot)
         asked_scene_lift(&s);
     asked_points *given = malloc(sizeof *given);
@@ -79,22 +118,36 @@ static void check_soft_against_scalar(bool spot, bool reversed, shb_occluders oc
     CHECK_INT(shb_map_prepare(made.map, &filter), SHB_OK);
     asked_map_ask(&made, given, &filter, prepared);
     CHECK(memcmp(seen, prepared, sizeof seen) == 0);
-    int different = 0, soft = 0;
+    int different = 0, soft = 0, by_sheets = 0;
     for (int i = 0; i < ASKED_POINTS / 2; i++) {
-        const double expected = slow_soft(made.map, spot, light, given, i);
+        const double expected = slow_visibility(&made, spot, &filter, given, i, true);
         different += !(fabs((double)seen[i] - expected) < 1e-3);
         soft += expected > 0.05 && expected < 0.95;
+        by_sheets += expected != slow_visibility(&made, spot, &filter, given, i, false);
     }
     CHECK(different <= ASKED_POINTS / 400);
-    CHECK(soft > ASKED_POINTS / 20);
+    CHECK(soft > ASKED_POINTS / 30);
+    CHECK(occluders != SHB_OCCLUDERS_PLANES || by_sheets > ASKED_POINTS / 100);
     asked_map_close(&made);
     free(given);
     soup_free(&s);
 }
 
 TEST(exact_soft_shadows_agree_with_a_slow_search_by_the_scalar_test) {
-    check_soft_against_scalar(false, false, SHB_OCCLUDERS_PLANES);
-    check_soft_against_scalar(true, true, SHB_OCCLUDERS_PLANES);
-    check_soft_against_scalar(false, true, SHB_OCCLUDERS_TRIANGLES);
-    check_soft_against_scalar(true, false, SHB_OCCLUDERS_TRIANGLES);
+    check_soft_against_scalar(false, false, SHB_OCCLUDERS_PLANES, 0.1, 0);
+    check_soft_against_scalar(true, true, SHB_OCCLUDERS_PLANES, 0.2, 0);
+    check_soft_against_scalar(false, true, SHB_OCCLUDERS_TRIANGLES, 0.05, 0);
+    check_soft_against_scalar(true, false, SHB_OCCLUDERS_TRIANGLES, 0.1, 0);
+}
+
+/* Sheets lie in squares of 17 to 31 texels on a side, and no more for a larger light. */
+TEST(exact_soft_shadows_of_large_lights_agree_with_a_slow_search) {
+    check_soft_against_scalar(false, true, SHB_OCCLUDERS_PLANES, 0.2, 0);
+    check_soft_against_scalar(false, false, SHB_OCCLUDERS_PLANES, 0.5, 0);
+}
+
+TEST(exact_soft_shadows_by_points_of_a_disk_agree_with_a_slow_search) {
+    check_soft_against_scalar(false, false, SHB_OCCLUDERS_PLANES, 0.15, 25);
+    check_soft_against_scalar(true, true, SHB_OCCLUDERS_PLANES, 0.4, 40);
+    check_soft_against_scalar(false, true, SHB_OCCLUDERS_PLANES, 0.5, 25);
 }

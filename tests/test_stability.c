@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "contexts.h"
-#include "stability/boxes.h"
+#include "stability/filters.h"
 #include "stability/heat_map.h"
 #include "stability/report.h"
 #include "stability/tune.h"
@@ -260,22 +260,22 @@ TEST(cells_of_the_heat_map_show_the_digits_of_a_rate) {
     CHECK_INT(heat_map_digits(1e6), 7);
 }
 
-typedef struct box_row {
+typedef struct kernel_row {
     unsigned long long lit, shadowed;
     double lit_error, bad_lit, shadowed_error;
-} box_row;
+} kernel_row;
 
-/* The mean of a single case. */
-static box_row box_row_of(shb_context *context, const char *name, const char *method,
-                          uint32_t box) {
+/* The mean of a single case, for a box or, if it is 0, soft shadows. */
+static kernel_row kernel_row_of(shb_context *context, const char *name, const char *method,
+                                uint32_t box, uint32_t pcss) {
     const stability_options options = {
-        .method = method, .subject = name, .box = box, .quick = true};
-    box_row row = {0};
+        .method = method, .subject = name, .box = box, .pcss = pcss, .quick = true};
+    kernel_row row = {0};
     char line[256] = "";
     FILE *file = tmpfile();
     if (!CHECK(file != NULL))
         return row;
-    CHECK(stability_run_boxes(context, &options, file));
+    CHECK(stability_run_filter(context, &options, file));
     rewind(file);
     while (fgets(line, sizeof line, file) && strncmp(line, "ALL", 3) != 0)
         ;
@@ -286,12 +286,17 @@ static box_row box_row_of(shb_context *context, const char *name, const char *me
     return row;
 }
 
+static kernel_row box_row_of(shb_context *context, const char *name, const char *method,
+                             uint32_t box) {
+    return kernel_row_of(context, name, method, box, 0);
+}
+
 /* Without bias half of the taps on a lone plane are in false shadow, and nearly every fragment has
  * some of them; with the plane in every tap none is. */
 TEST(boxes_are_judged_by_the_mean_error_of_lit_fragments) {
     shb_context *context = test_context(2, SHB_ISA_BEST);
-    const box_row none = box_row_of(context, "plane-45", "none", 5);
-    const box_row plane = box_row_of(context, "plane-45", "exact-planes", 5);
+    const kernel_row none = box_row_of(context, "plane-45", "none", 5);
+    const kernel_row plane = box_row_of(context, "plane-45", "exact-planes", 5);
     CHECK(none.lit > 1000 && none.lit == plane.lit && none.shadowed == 0);
     CHECK_NEAR(none.lit_error, 5e5, 2e4);
     CHECK(none.bad_lit > 9e5);
@@ -303,8 +308,8 @@ TEST(boxes_are_judged_by_the_mean_error_of_lit_fragments) {
 static void check_sheets(const char *const names[], int count, const char *method, double most) {
     shb_context *context = test_context(2, SHB_ISA_BEST);
     for (int i = 0; i < count; i++) {
-        const box_row adaptive = box_row_of(context, names[i], "adaptive", 5);
-        const box_row row = box_row_of(context, names[i], method, 5);
+        const kernel_row adaptive = box_row_of(context, names[i], "adaptive", 5);
+        const kernel_row row = box_row_of(context, names[i], method, 5);
         CHECK(row.lit > 1000 && adaptive.lit_error > 1e5);
         CHECK(row.lit_error < most);
     }
@@ -328,17 +333,40 @@ TEST(exact_boxes_by_planes_keep_the_shadows_of_sheets_that_lie_close) {
     static const char *const names[] = {"gap-1e-2", "gap-1e-4", "contact-1e-3"};
     shb_context *context = test_context(2, SHB_ISA_BEST);
     for (int i = 0; i < 3; i++) {
-        const box_row planes = box_row_of(context, names[i], "exact-planes", 5);
+        const kernel_row planes = box_row_of(context, names[i], "exact-planes", 5);
         CHECK(planes.shadowed > 500 && planes.shadowed_error == 0);
     }
+    shb_context_destroy(context);
+}
+
+/* The kernels of pcss, which are up to 11 texels wide. */
+TEST(soft_shadows_by_planes_leave_a_sheet_in_its_own_light) {
+    shb_context *context = test_context(2, SHB_ISA_BEST);
+    const kernel_row relief = kernel_row_of(context, "relief-2", "exact-planes", 0, 11);
+    const kernel_row stairs = kernel_row_of(context, "stair-sheet-600", "exact-planes", 0, 11);
+    const kernel_row gap = kernel_row_of(context, "gap-1e-4", "exact-planes", 0, 11);
+    CHECK(relief.lit > 1000 && relief.lit_error < 250);
+    CHECK(stairs.lit > 1000 && stairs.lit_error < 100);
+    CHECK(gap.shadowed > 500 && gap.shadowed_error == 0);
+    shb_context_destroy(context);
+}
+
+/* As for boxes: on a lone plane without bias half of what any kernel holds is in false shadow. */
+TEST(soft_shadows_are_judged_by_the_mean_error_of_lit_fragments) {
+    shb_context *context = test_context(2, SHB_ISA_BEST);
+    const kernel_row none = kernel_row_of(context, "plane-45", "none", 0, 11);
+    const kernel_row plane = kernel_row_of(context, "plane-45", "exact-planes", 0, 11);
+    CHECK(none.lit > 1000 && none.lit == plane.lit && none.shadowed == 0);
+    CHECK_NEAR(none.lit_error, 5e5, 5e4);
+    CHECK(plane.lit_error == 0 && plane.bad_lit == 0);
     shb_context_destroy(context);
 }
 
 /* Larger boxes leave less that is far from silhouettes. */
 TEST(boxes_are_judged_where_no_silhouette_is_in_them) {
     shb_context *context = test_context(2, SHB_ISA_BEST);
-    const box_row small = box_row_of(context, "scale-1", "exact-triangles", 3);
-    const box_row large = box_row_of(context, "scale-1", "exact-triangles", 31);
+    const kernel_row small = box_row_of(context, "scale-1", "exact-triangles", 3);
+    const kernel_row large = box_row_of(context, "scale-1", "exact-triangles", 31);
     CHECK(large.lit > 1000 && large.lit < small.lit);
     CHECK(large.shadowed > 100 && large.shadowed < small.shadowed);
     CHECK(small.lit_error < 50 && small.shadowed_error < 50);

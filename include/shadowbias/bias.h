@@ -200,8 +200,8 @@ shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
  * - Lists: the answer of a ray caster, at any map size, from the position alone.
  * In the taps of a filter, an occluder that is the fragment's own surface, bent between fragment
  * and tap, casts no shadow: triangles follow the surface over the mesh; planes do over neighbouring
- * texels whose planes meet, in the boxes of pcf and pcf-smooth, and in those around the taps of
- * jittered and poisson unless they are more than 63 texels wide.
+ * texels whose planes meet, in boxes of pcf and pcf-smooth, around taps of jittered and poisson up
+ * to 63 texels wide, and in pcss up to 15 texels to each side of the fragment's own one.
  * A triangle casts a shadow, whatever its culling, where it lies at or beyond the near plane; there
  * is no far plane. */
 shb_bias shb_bias_exact(void);

@@ -7,15 +7,23 @@
 /* Adding this rounds a float below 2^22 to an int in its low bits, ties to even. */
 #define ROUNDING 12582912.0f
 
+/* What the taps of a search on the disk found. */
+typedef struct pcss_hits {
+    vi blocked[SHB_POISSON_MAX];
+    vf stored[SHB_POISSON_MAX];
+} pcss_hits;
+
 /* WIDE fragments. */
 typedef struct pcss_lanes {
     vi texel_x, texel_y;
     vf to_center_x, to_center_y;
     vf depth; /* not beyond the far plane */
     vf ref, step_x, step_y;
-    vf cosine, sine;      /* of the disk's turn */
-    mutual_batch *mutual; /* of the exact method; else NULL */
-    size_t first;         /* the number of the first of these in it */
+    vf cosine, sine;           /* of the disk's turn */
+    mutual_batch *mutual;      /* of the exact method; else NULL */
+    size_t first;              /* the number of the first of these in it */
+    const lane_sheets *sheets; /* that they are known to stand on, or NULL */
+    pcss_hits *hits;           /* where a map keeps planes: of the search; else NULL */
 } pcss_lanes;
 
 /* What stands in front of the receiver plane, as the sum of taps and of their depths. */
@@ -52,8 +60,49 @@ static inline ALWAYS_INLINE vf row_bits(const pcss_disk *disk, int k) {
     return ((disk->yx * px + disk->yy * py) - disk->to_center_y) + ROUNDING;
 }
 
+/* Of hits, by the exact method, taps that are shadowed; m and n: their texels, from the own ones.
+ */
+static vi pcss_shadowed(const pcss_lanes *own, vi hits, vf m, vf n, vf stored) {
+    if (own->sheets)
+        hits &= ~on_sheets(own->sheets, m, n);
+    return vi_any(hits) ? shadowed_taps(own->mutual, own->first, hits, m, n, stored) : hits;
+}
+
+/* The same for taps in a row of fragment number lane. */
+static vi pcss_shadowed_in_row(const pcss_lanes *own, int lane, vi hits, int32_t m, int32_t n,
+                               vf stored) {
+    if (own->sheets)
+        hits &= ~on_sheet(own->sheets, lane, m, n);
+    return vi_any(hits)
+               ? shadowed_taps_of_one(own->mutual, own->first + (size_t)lane, hits, m, n, stored)
+               : hits;
+}
+
 static inline ALWAYS_INLINE vf plane_at(const pcss_lanes *own, vf m, vf n, vf far_depth) {
     return vf_min((own->ref + m * own->step_x) + n * own->step_y, far_depth);
+}
+
+static inline ALWAYS_INLINE void note_hits(pcss_hits *hits, int k, vi blocked, vf stored) {
+    hits->blocked[k] = blocked;
+    hits->stored[k] = stored;
+}
+
+/* The outcome of a search whose hits were noted, less those on sheets that have been found. */
+static pcss_blocked leave_sheets(const shb_pcss *pcss, const pcss_lanes *own, vf radius_x,
+                                 vf radius_y) {
+    const pcss_disk disk = disk_of(pcss, own, radius_x, radius_y);
+    vf depth = {0};
+    vi hits = {0};
+    for (int k = 0; k < pcss->blockers; k++) {
+        vi blocked = own->hits->blocked[k];
+        if (vi_any(blocked))
+            blocked &= ~on_sheets(own->sheets, column_bits(&disk, k) - ROUNDING,
+                                  row_bits(&disk, k) - ROUNDING);
+        hits -= blocked;
+        depth += vf_keep(blocked, own->hits->stored[k]);
+    }
+    return (pcss_blocked){__builtin_convertvector(hits, vf), depth,
+                          vf_splat((float)pcss->blockers)};
 }
 
 /* The first count points of the disk, wherever they lie and whatever the format. sums: depths are
@@ -77,10 +126,12 @@ static inline ALWAYS_INLINE pcss_blocked ask_disk(const shb_pcss *pcss, const sh
                               (vi)((vu)own->texel_y + ((vu)y - rounding)), &in_map);
         vi blocked = in_map & (stored < plane_at(own, m, n, far_depth));
         if (own->mutual && vi_any(blocked))
-            blocked = shadowed_taps(own->mutual, own->first, blocked, m, n, stored);
+            blocked = pcss_shadowed(own, blocked, m, n, stored);
         hits -= blocked;
         if (sums)
             depth += vf_keep(blocked, stored);
+        if (sums && own->hits)
+            note_hits(own->hits, k, blocked, stored);
     }
     return (pcss_blocked){__builtin_convertvector(hits, vf), depth, vf_splat((float)count)};
 }
@@ -123,12 +174,13 @@ static inline ALWAYS_INLINE pcss_blocked ask_disk_inside(const shb_pcss *pcss, c
             const vf stored = sign * vf_read(map->depth.texels, indices[k]);
             vi blocked = stored < planes[k];
             if (exact && vi_any(blocked))
-                blocked = shadowed_taps(own->mutual, own->first, blocked,
-                                        column_bits(&disk, first + k) - ROUNDING,
+                blocked = pcss_shadowed(own, blocked, column_bits(&disk, first + k) - ROUNDING,
                                         row_bits(&disk, first + k) - ROUNDING, stored);
             hits -= blocked;
             if (sums)
                 depth += vf_keep(blocked, stored);
+            if (exact && sums && own->hits)
+                note_hits(own->hits, first + k, blocked, stored);
         }
     }
     return (pcss_blocked){__builtin_convertvector(hits, vf), depth, vf_splat((float)count)};
@@ -227,8 +279,7 @@ static inline ALWAYS_INLINE void ask_square(const shb_pcss *pcss, const shb_map 
                 const vf texel = sign * vf_load(stored + p * WIDE);
                 vi hit = texel < vf_min(tap[p] + run, far_depth);
                 if (own->mutual && vi_any(hit))
-                    hit = shadowed_taps_of_one(own->mutual, own->first + (size_t)lane, hit,
-                                               first + p * WIDE, n, texel);
+                    hit = pcss_shadowed_in_row(own, lane, hit, first + p * WIDE, n, texel);
                 row_weight[p] += vf_keep(hit, part);
                 if (sums)
                     row_depth[p] += vf_keep(hit, part * texel);
@@ -329,13 +380,30 @@ typedef struct pcss_open {
     vf visibility;
 } pcss_open;
 
-static vf pcss_of_lanes(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own,
-                        vf search_x, vf search_y, pcss_open open) {
+/* The sheets of fragments with blockers, through squares that hold the kernels of their searches as
+ * far as sheets are followed at all. */
+static bool find_pcss_sheets(const pcss_lanes *own, vf search_x, vf search_y, vi blocked,
+                             lane_sheets *sheets) {
+    const vi reach = reach_of(vf_max(search_x, search_y)), most = vi_splat(LANE_SHEET_MOST);
+    const vi less = reach < most;
+    return find_lane_sheets(own->mutual, own->first, blocked, (reach & less) | (most & ~less),
+                            sheets);
+}
+
+static vf pcss_of_lanes(const shb_pcss *pcss, const shb_map *map, pcss_lanes *own, vf search_x,
+                        vf search_y, pcss_open open) {
     const vf near_depth = vf_splat(pcss->near_depth);
-    const pcss_blocked blockers = search(pcss, map, own, search_x, search_y, open.lanes);
+    lane_sheets sheets;
+    pcss_blocked blockers = search(pcss, map, own, search_x, search_y, open.lanes);
     open.lanes &= blockers.weight > 0;
     if (!vi_any(open.lanes))
         return open.visibility;
+    if (own->hits && find_pcss_sheets(own, search_x, search_y, open.lanes, &sheets)) {
+        own->sheets = &sheets;
+        blockers = pcss->blockers ? leave_sheets(pcss, own, search_x, search_y)
+                                  : search(pcss, map, own, search_x, search_y, open.lanes);
+        open.lanes &= blockers.weight > 0;
+    }
     const vf mean = vf_max(blockers.depth / blockers.weight, near_depth);
     const vf radius_x = radius_lanes(pcss->texels_x, own->depth, mean);
     const vf radius_y = radius_lanes(pcss->texels_y, own->depth, mean);
@@ -354,10 +422,13 @@ static void ask_pcss(const shb_pcss *pcss, const shb_map *map, size_t count,
                      float *restrict visibility) {
     const size_t lanes = shb_round_to_lanes(count);
     const vf near_depth = vf_splat(pcss->near_depth);
+    pcss_hits hits;
     int pause = 0;
     for (size_t i = 0; i < lanes; i += WIDE) {
         pcss_lanes own;
         own.mutual = mutual;
+        own.sheets = NULL;
+        own.hits = mutual && map->info.occluders != SHB_OCCLUDERS_TRIANGLES ? &hits : NULL;
         load_pcss_lanes(pcss, receivers, i, &own);
         const vf search_x = radius_lanes(pcss->texels_x, own.depth, near_depth);
         const vf search_y = radius_lanes(pcss->texels_y, own.depth, near_depth);

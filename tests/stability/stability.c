@@ -1,7 +1,7 @@
 /* stability: every bias method in many cases, with the papers' parameters and with parameters
  * tuned to the case, against the truth. */
 #include "arguments.h"
-#include "boxes.h"
+#include "filters.h"
 #include "heat_map.h"
 #include "report.h"
 #include "suite.h"
@@ -67,8 +67,9 @@ static bool run_single_taps(shb_context *context, const stability_options *optio
 
 static int run(const stability_options *options) {
     shb_context *context = tool_create_context("stability", 0, SHB_ISA_BEST);
-    const bool done = context && (options->box ? stability_run_boxes(context, options, stdout)
-                                               : run_single_taps(context, options));
+    const bool filters = options->box || options->pcss;
+    const bool done = context && (filters ? stability_run_filter(context, options, stdout)
+                                          : run_single_taps(context, options));
     shb_context_destroy(context);
     return done && fflush(stdout) == 0 ? TOOL_OK : TOOL_FAILED;
 }
@@ -81,6 +82,8 @@ static bool read_options(int argc, char **argv, stability_options *options, int 
         {"--case", "NAME", "only this case", ARGUMENT_TEXT, &options->subject, 0, 0},
         {"--box", "N", "judge pcf over N x N texels, away from silhouettes in all of them",
          ARGUMENT_COUNT, &options->box, 1, 63},
+        {"--pcss", "N", "judge pcss likewise, of a light whose widest kernel has N texels across",
+         ARGUMENT_COUNT, &options->pcss, 1, 63},
         {"--size", "N", "texels on a side of maps where the case is not about it (1024)",
          ARGUMENT_COUNT, &options->map_size, 1, 16384},
         {"--named", NULL, "name fragments by triangle and weights, not by rounded positions",

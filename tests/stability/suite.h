@@ -8,7 +8,8 @@
 typedef struct stability_options {
     const char *method;  /* only this one, or NULL */
     const char *subject; /* only this case, or NULL */
-    uint32_t box;        /* texels on a side of a filter, 0: a single one */
+    uint32_t box;        /* texels on a side of a filter, 0: a single one, if not pcss: */
+    uint32_t pcss;       /* texels across the widest kernel of soft shadows, or 0 */
     uint32_t map_size;   /* of maps whose case does not name one, 0: STABILITY_MAP_SIZE */
     bool named;          /* fragments by triangle and weights */
     bool quick;
