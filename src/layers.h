@@ -18,10 +18,10 @@ typedef struct shb_layers {
     uint8_t *marks; /* as in the target, from the first cell on; NULL: not known */
 } shb_layers;
 
-/* Layers of pitch * rows samples for each of count lanes, in the context's scratch, with what the
+/* Layers of columns * rows samples for each of count lanes, in the context's scratch, with what the
  * description wants; their samples are for the caller to choose. NULL: out of memory. */
 shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc, size_t count,
-                               size_t pitch, size_t rows);
+                               size_t columns, size_t rows);
 
 /* Far depths and no ids. */
 void shb_layers_clear(const shb_layers *layers, bool reversed);

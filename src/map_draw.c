@@ -17,19 +17,21 @@
 #include "prepare.h"
 #include "scene.h"
 
-/* Where the two layers are drawn before they are combined: one row after the other, no gaps. */
+/* Where the two layers are drawn before they are combined. Rows end on a cache line and one more,
+ * as those of maps do. */
 typedef struct layers {
     float *nearest;
     float *second;
+    size_t stride; /* bytes */
 } layers;
 
 static bool reserve_layers(const shb_map *map, layers *out) {
     shb_context *context = map->context;
-    const size_t row_bytes = map->info.width * sizeof(float);
-    if (!shb_buffer_reserve(context, &context->map_scratch[0], map->info.height, row_bytes) ||
-        !shb_buffer_reserve(context, &context->map_scratch[1], map->info.height, row_bytes))
+    const size_t stride = ((size_t)map->info.width * sizeof(float) + 63) / 64 * 64 + 64;
+    if (!shb_buffer_reserve(context, &context->map_scratch[0], map->info.height, stride) ||
+        !shb_buffer_reserve(context, &context->map_scratch[1], map->info.height, stride))
         return false;
-    *out = (layers){context->map_scratch[0].data, context->map_scratch[1].data};
+    *out = (layers){context->map_scratch[0].data, context->map_scratch[1].data, stride};
     return true;
 }
 
@@ -45,12 +47,12 @@ static void replace_nan(size_t count, float value, float *depths) {
 }
 
 static void combine_rows(shb_map *map, const shb_bias *bias, const layers *drawn) {
-    const size_t width = map->info.width;
+    const size_t width = map->info.width, pitch = drawn->stride / sizeof(float);
     memset(map->marks, 0, shb_map_marks_size(map));
     const bool reversed = map->info.view.reversed;
     for (uint32_t row = 0; row < map->info.height; row++) {
-        float *nearest = drawn->nearest + row * width;
-        float *second = drawn->second + row * width;
+        float *nearest = drawn->nearest + row * pitch;
+        float *second = drawn->second + row * pitch;
         if (reversed) {
             change_sign(width, nearest);
             change_sign(width, second);
@@ -159,8 +161,10 @@ static shb_result draw_images(const shb_map *map, const shb_scene *scene, const 
                           .clear_marks_size = shb_map_marks_size(map),
                           .flip_culling = bias && (bias->needs & SHB_NEEDS_FLIPPED)};
     if (made->combines) {
-        desc.depth = (shb_depth_image){.texels = made->layers.nearest};
-        desc.second = (shb_depth_image){.texels = made->layers.second};
+        desc.depth =
+            (shb_depth_image){.texels = made->layers.nearest, .stride = made->layers.stride};
+        desc.second =
+            (shb_depth_image){.texels = made->layers.second, .stride = made->layers.stride};
         desc.clear_marks = NULL;
     }
     if (made->keeps_texels) {
