@@ -17,6 +17,17 @@ typedef struct block_cells {
 
 #define ALL_CELLS 0xffff
 
+/* What loops over samples ask of a tile: stores into texels could change the tile itself. */
+typedef struct tile_texels {
+    float *depth, *second;
+    uint32_t *ids;
+    ptrdiff_t stride;
+} tile_texels;
+
+static inline tile_texels texels_of(const shb_tile *tile) {
+    return (tile_texels){tile->depth, tile->second, tile->ids, tile->stride};
+}
+
 /* The depth that the triangle has at the sample i columns and j rows from its box's first one. It
  * rises or falls all the way along rows and columns, rounding included. */
 static inline __attribute__((always_inline)) float

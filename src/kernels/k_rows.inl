@@ -14,15 +14,15 @@
 /* Merges one vector of samples into the tile; edges is negative outside the triangle. At equal
  * depth the lower id wins, so that the order of triangles does not matter. */
 static inline __attribute__((always_inline)) void
-W(merge)(const shb_tile *tile, int layers, ptrdiff_t at, W(wi) edges, W(wf) z, W(wi) id) {
-    const W(wf) nearest = W(wf_load)(tile->depth + at);
-    W(wf_store)(tile->depth + at, W(wf_min_inside)(edges, z, nearest));
+W(merge)(tile_texels tile, int layers, ptrdiff_t at, W(wi) edges, W(wf) z, W(wi) id) {
+    const W(wf) nearest = W(wf_load)(tile.depth + at);
+    W(wf_store)(tile.depth + at, W(wf_min_inside)(edges, z, nearest));
     if (layers & LAYER_IDS)
-        W(wi_store_closer)(tile->ids + at, edges, z, nearest, id);
+        W(wi_store_closer)(tile.ids + at, edges, z, nearest, id);
     if (layers & LAYER_SECOND) {
-        const W(wf) second = W(wf_load)(tile->second + at);
+        const W(wf) second = W(wf_load)(tile.second + at);
         const W(wf) loser = W(wf_max)(nearest, z);
-        W(wf_store)(tile->second + at, W(wf_min_inside)(edges, loser, second));
+        W(wf_store)(tile.second + at, W(wf_min_inside)(edges, loser, second));
     }
 }
 
@@ -37,6 +37,13 @@ static inline __attribute__((always_inline)) void
 W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
               const chunk_planes *planes, int t, uint32_t triangle, bool plain, bool covered,
               const block_edges *edges, int32_t left, int32_t top, int32_t right, int32_t bottom) {
+    const tile_texels texels = texels_of(tile);
+    const shb_plane exact = {.z0 = planes->base[t],
+                             .gx = planes->step_x[t],
+                             .gy = planes->step_y[t],
+                             .lo = planes->lo[t],
+                             .hi = planes->hi[t]};
+    const int32_t first_row = boxes->y[t];
     const W(wi) id = W(wi_splat)((int32_t)triangle);
     W(wi) row[3], step_x[3], step_y[3];
     for (int k = 0; k < 3; k++) {
@@ -44,29 +51,29 @@ W(draw_block)(const shb_tile *tile, int layers, const chunk_boxes *boxes,
         step_x[k] = W(wi_splat)(edges->step_x[k] * LANES);
         step_y[k] = W(wi_splat)(edges->step_y[k]);
     }
-    const int32_t first_column = left - boxes->x[t];
-    const W(wf) depth_x = W(wf_splat)(planes->depth_x[t]);
-    const W(wf) columns = W(wf_add)(W(wf_splat)((float)first_column), W(wf_lanes)());
+    const int32_t first_column = left - boxes->x[t], vectors = (right - left + LANES - 1) / LANES;
+    W(wf) along[SHB_SMALL / LANES];
+    for (int32_t v = 0; plain && v < vectors; v++)
+        along[v] =
+            W(wf_mul)(W(wf_splat)(planes->depth_x[t]),
+                      W(wf_add)(W(wf_splat)((float)(first_column + v * LANES)), W(wf_lanes)()));
     const W(wf) depth = W(wf_splat)(planes->depth[t]), depth_y = W(wf_splat)(planes->depth_y[t]);
     const W(wf) anchor = W(wf_splat)(layers & LAYER_PLANES ? planes->anchor[t] : 0);
-    W(wf) rows = W(wf_splat)((float)(top - boxes->y[t]));
-    ptrdiff_t start = (top - tile->y0) * tile->stride + left - tile->x0;
-    for (int32_t y = top; y < bottom; y++, start += tile->stride) {
+    W(wf) rows = W(wf_splat)((float)(top - first_row));
+    ptrdiff_t start = (top - tile->y0) * texels.stride + left - tile->x0;
+    for (int32_t y = top; y < bottom; y++, start += texels.stride) {
         const W(wf) base = W(wf_add)(depth, W(wf_mul)(depth_y, rows));
-        const double careful_base = planes->base[t] + planes->step_y[t] * (y - boxes->y[t]);
+        const double careful_base = exact.z0 + exact.gy * (y - first_row);
         W(wi) edge[3] = {row[0], row[1], row[2]};
-        W(wf) column = columns;
-        ptrdiff_t at = start;
-        for (int32_t i = 0; i < right - left; i += LANES, at += LANES) {
+        for (int32_t v = 0; v < vectors; v++) {
             const W(wf) z =
-                plain ? W(add_anchor)(layers, anchor, W(wf_add)(base, W(wf_mul)(depth_x, column)))
-                      : W(wf_plane)(careful_base, planes->step_x[t], (double)(first_column + i),
-                                    planes->lo[t], planes->hi[t]);
+                plain ? W(add_anchor)(layers, anchor, W(wf_add)(base, along[v]))
+                      : W(wf_plane)(careful_base, exact.gx, (double)(first_column + v * LANES),
+                                    exact.lo, exact.hi);
             const W(wi) outside = W(wi_or_three)(edge[0], edge[1], edge[2]);
-            W(merge)(tile, layers, at, covered ? W(wi_splat)(0) : outside, z, id);
+            W(merge)(texels, layers, start + v * LANES, covered ? W(wi_splat)(0) : outside, z, id);
             for (int k = 0; k < 3; k++)
                 edge[k] = W(wi_add)(edge[k], step_x[k]);
-            column = W(wf_add)(column, W(wf_splat)((float)LANES));
         }
         for (int k = 0; k < 3; k++)
             row[k] = W(wi_add)(row[k], step_y[k]);
@@ -167,6 +174,7 @@ static inline __attribute__((always_inline)) void
 W(draw_rows)(const shb_tile *tile, int layers, const chunk_boxes *boxes, const chunk_planes *planes,
              int t, uint32_t triangle, int width, int height) {
     enum { VECTORS_MAX = 2 };
+    const tile_texels texels = texels_of(tile);
     const W(wi) id = W(wi_splat)((int32_t)triangle);
     const int32_t left = MIN(boxes->x[t], tile->x1 - width);
     const int vectors = width / LANES;
@@ -184,16 +192,18 @@ W(draw_rows)(const shb_tile *tile, int layers, const chunk_boxes *boxes, const c
         step[k] = W(wi_splat)(planes->edge_y[k][t]);
     const W(wf) depth = W(wf_splat)(planes->depth[t]), depth_y = W(wf_splat)(planes->depth_y[t]);
     const W(wf) anchor = W(wf_splat)(layers & LAYER_PLANES ? planes->anchor[t] : 0);
-    ptrdiff_t at = (boxes->y[t] - tile->y0) * tile->stride + left - tile->x0;
-    for (int j = 0; j < height; j++, at += tile->stride) {
-        const W(wf) base = W(wf_add)(depth, W(wf_mul)(depth_y, W(wf_splat)((float)j)));
+    W(wf) row = W(wf_splat)(0);
+    ptrdiff_t at = (boxes->y[t] - tile->y0) * texels.stride + left - tile->x0;
+    for (int j = 0; j < height; j++, at += texels.stride) {
+        const W(wf) base = W(wf_add)(depth, W(wf_mul)(depth_y, row));
         for (int v = 0; v < vectors; v++) {
             W(merge)
-            (tile, layers, at + v * LANES, W(wi_or_three)(edge[v][0], edge[v][1], edge[v][2]),
+            (texels, layers, at + v * LANES, W(wi_or_three)(edge[v][0], edge[v][1], edge[v][2]),
              W(add_anchor)(layers, anchor, W(wf_add)(base, along[v])), id);
             for (int k = 0; k < 3; k++)
                 edge[v][k] = W(wi_add)(edge[v][k], step[k]);
         }
+        row = W(wf_add)(row, W(wf_splat)(1.0f));
     }
 }
 

@@ -54,12 +54,11 @@ static inline wf8 wf_min_inside8(wi8 edges, wf8 z, wf8 q) {
 }
 static inline void wi_store_closer8(uint32_t *ids, wi8 edges, wf8 z, wf8 q, wi8 id) {
     const __m256i old = wi_load8(ids);
-    const __m256i closer = _mm256_castps_si256(_mm256_cmp_ps(z, q, _CMP_LT_OQ));
-    const __m256i equal = _mm256_castps_si256(_mm256_cmp_ps(z, q, _CMP_EQ_OQ));
-    const __m256i lower = _mm256_and_si256(equal, _mm256_cmpgt_epi32(old, id));
-    const __m256i outside = _mm256_srai_epi32(edges, 31);
-    const __m256i wins = _mm256_andnot_si256(outside, _mm256_or_si256(closer, lower));
-    wi_store8(ids, _mm256_blendv_epi8(old, id, wins));
+    const __m256 inside = _mm256_or_ps(z, _mm256_castsi256_ps(_mm256_srai_epi32(edges, 31)));
+    const __m256i closer = _mm256_castps_si256(_mm256_cmp_ps(inside, q, _CMP_LT_OQ));
+    const __m256i as_close = _mm256_castps_si256(_mm256_cmp_ps(inside, q, _CMP_LE_OQ));
+    const __m256i best = _mm256_blendv_epi8(_mm256_min_epi32(old, id), id, closer);
+    wi_store8(ids, _mm256_blendv_epi8(old, best, as_close));
 }
 static inline wi8 wi_count_less8(wi8 count, wf8 a, wf8 b) {
     return _mm256_sub_epi32(count, _mm256_castps_si256(_mm256_cmp_ps(a, b, _CMP_LT_OQ)));
