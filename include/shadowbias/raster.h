@@ -27,7 +27,8 @@ typedef enum shb_format {
 } shb_format;
 
 /* An array of depths. stride: bytes from one row to the next, a multiple of the texel's size;
- * 0: rows without gaps. */
+ * 0: rows without gaps. Rows that are a large power of two apart take each other's place in caches:
+ * 64 bytes more can make drawing a quarter faster. */
 typedef struct shb_depth_image {
     void *texels;
     size_t stride;
