@@ -7,6 +7,7 @@
 #include "joints.h"
 #include "light_bounds.h"
 #include "light_mesh.h"
+#include "quick_planes.h"
 #include "sheets.h"
 
 /* What turns a world position into map coordinates, once per map, in double. */
@@ -57,6 +58,7 @@ typedef struct shb_occluder_data {
     size_t stride;      /* bytes */
     double slope_unit;  /* a power of two, at most 1 */
     shb_joints joints;  /* where the map keeps planes */
+    shb_quick_planes quick; /* the same */
     size_t plane_count; /* triangles of the scene */
     shb_occluder_plane *planes; /* in kept, as world_planes and what mesh points to */
     shb_world_plane *world_planes;

@@ -49,6 +49,7 @@ bool shb_occluders_create(shb_map *map) {
         return false;
     if (map->info.occluders != SHB_OCCLUDERS_PLANES)
         return true;
+    data->quick = shb_quick_planes_of(map);
     const bool done =
         shb_joints_create(map->context, map->info.width, map->info.height, &data->joints);
     map->info.memory_bytes += shb_joints_bytes(&data->joints);

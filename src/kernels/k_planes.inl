@@ -1,232 +1,318 @@
 /* The exact method on maps that keep planes: the test of mutual planes (shb_exact_is_shadowed) of
- * each fragment and the texel that holds it. Most lit fragments are told by less, a part of the
- * bound: the texel's depth does not lie in front of their own planes, or they do not lie behind the
- * texel's plane, by more than their positions are rounded, (1) of light_point.h without its
- * factor. */
+ * each fragment and the texel that holds it. Places are found in double, as that test has them; the
+ * rest is done in float, of which quick_planes.c tells what is sure. The few others are tested. */
 
-/* Fragments and the texels that hold them. */
+/* By which nu is multiplied, so that errors become infinite before anything else overflows. */
+#define NU_SCALE 0x1p60f
+
+/* Fragments and the texels that hold them. Names as in quick_planes.c. */
 typedef struct plane_batch {
-    SHB_ALIGN double limit[SHB_BATCH]; /* depths from here on do not shadow the fragment */
-    double x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH], inverse_w[SHB_BATCH];
-    double center_x[SHB_BATCH], center_y[SHB_BATCH]; /* of the texel */
+    SHB_ALIGN double z[SHB_BATCH];
+    SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH], depth[SHB_BATCH]; /* these four unless affine */
+    float inverse_w[SHB_BATCH];
+    float to_x[SHB_BATCH], to_y[SHB_BATCH];
     int32_t column[SHB_BATCH], row[SHB_BATCH];
-    float depth[SHB_BATCH]; /* infinite where there is no occluder */
-    float slope_x[SHB_BATCH], slope_y[SHB_BATCH];
+    float nu[SHB_BATCH];                                              /* times NU_SCALE */
+    float steepness[SHB_BATCH], rise_x[SHB_BATCH], rise_y[SHB_BATCH]; /* D, N */
+    float ahead[SHB_BATCH]; /* T less the part of d, later all of it, with errors but those by d */
+    float stored[SHB_BATCH], behind[SHB_BATCH]; /* d */
+    int32_t open[SHB_BATCH];                    /* -1: not surely lit by the own plane */
 } plane_batch;
-
-/* How far a plane of these slopes through the rounded point misses the true one, to first order. */
-static inline ALWAYS_INLINE wd moved_by(const shb_light_rows *rows, bool affine,
-                                        const wd position[3], wd x, wd y, wd z, wd inverse_w,
-                                        wd slope_x, wd slope_y) {
-    wd moved = wd_splat(0.0);
-    for (int k = 0; k < 3; k++) {
-        wd a = wd_splat(rows->x[k]), b = wd_splat(rows->y[k]), c = wd_splat(rows->z[k]);
-        if (!affine) {
-            a -= x * rows->w[k];
-            b -= y * rows->w[k];
-            c -= z * rows->w[k];
-        }
-        moved += wd_abs(c - slope_x * a - slope_y * b) * wd_abs(position[k]);
-    }
-    moved *= SHB_FLOAT_ROUNDING;
-    if (!affine)
-        moved *= inverse_w;
-    return moved;
-}
-
-/* A fragment's own plane at the centre of its texel, less what is taken of the bound; all of it
- * also covers that slopes are not calculated as here. */
-static inline ALWAYS_INLINE wd own_limit(const shb_projection *p, const shb_light_rows *rows,
-                                         bool affine, const wd position[3], const wd n[3], wd x,
-                                         wd y, wd z, wd inverse_w, wd to_x, wd to_y) {
-    const wd zero = wd_splat(0.0);
-    wd ab = dot(p->x_cross_y, n[0], n[1], n[2]);
-    wd cb = dot(p->z_cross_y, n[0], n[1], n[2]);
-    wd ac = dot(p->x_cross_z, n[0], n[1], n[2]);
-    if (!affine) {
-        const wd n_xw = dot(p->x_cross_w, n[0], n[1], n[2]);
-        const wd n_yw = dot(p->y_cross_w, n[0], n[1], n[2]);
-        const wd n_zw = dot(p->z_cross_w, n[0], n[1], n[2]);
-        ab = ab - y * n_xw + x * n_yw;
-        cb = cb - y * n_zw + z * n_yw;
-        ac = ac - z * n_xw + x * n_zw;
-    }
-    const wd inverse = 1.0 / ab;
-    const wd squared = SHB_DOT(n, n);
-    const wd usable = wd_where_greater(wd_splat((double)INFINITY), squared, squared, zero);
-    const wd slope_x = wd_where_greater(usable, zero, cb * inverse, zero);
-    const wd slope_y = wd_where_greater(usable, zero, ac * inverse, zero);
-    const wd moved = moved_by(rows, affine, position, x, y, z, inverse_w, slope_x, slope_y);
-    return z + (slope_x * to_x + slope_y * to_y) - moved;
-}
 
 /* Fragments behind the light come to lie outside of the map. */
 static inline ALWAYS_INLINE void place_as(const shb_map *map, bool affine, size_t lanes,
                                           const shb_receivers *restrict r,
                                           plane_batch *restrict batch) {
-    const shb_projection p = map->projection;
     const shb_light_rows rows = map->rows;
     const double limit = -(double)SHB_TEXEL_NONE;
     const wd zero = wd_splat(0.0), none = wd_splat((double)SHB_TEXEL_NONE);
     for (size_t i = 0; i < lanes; i += DOUBLES) {
-        const wd position[3] = {wd_load_floats(r->x + i), wd_load_floats(r->y + i),
-                                wd_load_floats(r->z + i)};
-        const wd normal[3] = {wd_load_floats(r->normal_x + i), wd_load_floats(r->normal_y + i),
-                              wd_load_floats(r->normal_z + i)};
-        wd x = row_at(rows.x, position[0], position[1], position[2]);
-        wd y = row_at(rows.y, position[0], position[1], position[2]);
-        wd z = row_at(rows.z, position[0], position[1], position[2]);
-        wd inverse_w = wd_splat(1.0);
+        const wd px = wd_load_floats(r->x + i), py = wd_load_floats(r->y + i);
+        const wd pz = wd_load_floats(r->z + i);
+        wd x = row_at(rows.x, px, py, pz);
+        wd y = row_at(rows.y, px, py, pz);
+        wd z = row_at(rows.z, px, py, pz);
         if (!affine) {
-            const wd w = row_at(rows.w, position[0], position[1], position[2]);
-            inverse_w = 1.0 / w;
+            const wd w = row_at(rows.w, px, py, pz);
+            const wd inverse_w = 1.0 / w;
             x = wd_where_greater(w, zero, x * inverse_w, none);
             y *= inverse_w;
             z *= inverse_w;
+            wd_store_floats(batch->x + i, x);
+            wd_store_floats(batch->y + i, y);
+            wd_store_floats(batch->depth + i, z);
+            wd_store_floats(batch->inverse_w + i, inverse_w);
         }
         const wd column = wd_floor(limited(x, limit)), row = wd_floor(limited(y, limit));
-        const wd center_x = column + 0.5, center_y = row + 0.5;
-        wd_store(batch->x + i, x);
-        wd_store(batch->y + i, y);
         wd_store(batch->z + i, z);
-        if (!affine)
-            wd_store(batch->inverse_w + i, inverse_w);
-        wd_store(batch->center_x + i, center_x);
-        wd_store(batch->center_y + i, center_y);
+        wd_store_floats(batch->to_x + i, column + 0.5 - x);
+        wd_store_floats(batch->to_y + i, row + 0.5 - y);
         wd_store_ints(batch->column + i, column);
         wd_store_ints(batch->row + i, row);
-        wd_store(batch->limit + i, own_limit(&p, &rows, affine, position, normal, x, y, z,
-                                             inverse_w, center_x - x, center_y - y));
     }
 }
 
-static NEVER_INLINE void place_fragments(const shb_map *map, size_t lanes, const shb_receivers *r,
-                                         plane_batch *batch) {
-    if (map->projection.affine)
+/* Asks for texels of four bytes, those that are marked. */
+static inline ALWAYS_INLINE void prefetch_marked(const void *texels, size_t stride,
+                                                 const plane_batch *batch, size_t i, vi marked) {
+    const vi row = vi_load(batch->row + i) & marked, column = vi_load(batch->column + i) & marked;
+    int32_t places[WIDE];
+    vi_store(places, row * (int32_t)(stride / 4) + column);
+    for (int k = 0; k < WIDE; k++)
+        __builtin_prefetch((const float *)texels + places[k]);
+}
+
+static inline ALWAYS_INLINE void prefetch_depths(const shb_map *map, const plane_batch *batch,
+                                                 size_t i) {
+    const vu column = (vu)vi_load(batch->column + i), row = (vu)vi_load(batch->row + i);
+    prefetch_marked(map->depth.texels, map->depth.stride, batch, i,
+                    (vi)(column < map->info.width) & (vi)(row < map->info.height));
+}
+
+/* R: infinite or no numbers come to be small ones. */
+static inline ALWAYS_INLINE vf surely_moved(const shb_quick_planes *q, bool affine,
+                                            const shb_receivers *r, const plane_batch *batch,
+                                            size_t i, vf size_x, vf size_y, vf size_z) {
+    const vf sum = (size_x * vf_abs(vf_load(r->x + i)) + size_y * vf_abs(vf_load(r->y + i))) +
+                   size_z * vf_abs(vf_load(r->z + i));
+    vf moved = (vf_min(sum, vf_splat(0x1p40f)) - 0x1p-140f) * q->moved;
+    if (!affine) {
+        const vf inverse_w = vf_min(vf_load(batch->inverse_w + i), vf_splat(0x1p28f));
+        moved = (moved * inverse_w) * inverse_w;
+    }
+    return moved;
+}
+
+/* Asks for the depths of texels, too: they lie anywhere in memory. */
+static inline ALWAYS_INLINE void find_own_planes(const shb_map *map, bool affine, bool gathers,
+                                                 size_t lanes, const shb_receivers *restrict r,
+                                                 plane_batch *restrict batch) {
+    const shb_quick_planes q = map->occluders.quick;
+    for (size_t i = 0; i < lanes; i += WIDE) {
+        const vf nx = vf_load(r->normal_x + i), ny = vf_load(r->normal_y + i);
+        const vf nz = vf_load(r->normal_z + i);
+        vf ab = quick_dot(q.xy, nx, ny, nz);
+        vf cb = quick_dot(q.zy, nx, ny, nz);
+        vf ac = quick_dot(q.xz, nx, ny, nz);
+        if (gathers)
+            prefetch_depths(map, batch, i);
+        if (!affine) {
+            const vf x = vf_load(batch->x + i) - q.middle_x, y = vf_load(batch->y + i) - q.middle_y;
+            const vf z = vf_load(batch->depth + i);
+            const vf xw = quick_dot(q.xw, nx, ny, nz), yw = quick_dot(q.yw, nx, ny, nz);
+            const vf zw = quick_dot(q.zw, nx, ny, nz);
+            ab = (ab - y * xw) + x * yw;
+            cb = (cb - y * zw) + z * yw;
+            ac = (ac - z * xw) + x * zw;
+        }
+        const vu sign = (vu)ab & 0x80000000u;
+        cb = (vf)((vu)cb ^ sign);
+        ac = (vf)((vu)ac ^ sign);
+        const vf size_x = vf_abs(nx), size_y = vf_abs(ny), size_z = vf_abs(nz);
+        const vf nu = ((size_x + size_y) + size_z) * NU_SCALE + 0x1p-30f * NU_SCALE;
+        const vf moved = surely_moved(&q, affine, r, batch, i, size_x, size_y, size_z);
+        const vf run = cb * vf_load(batch->to_x + i) + ac * vf_load(batch->to_y + i);
+        vf_store(batch->nu + i, nu);
+        vf_store(batch->steepness + i, vf_abs(ab));
+        vf_store(batch->rise_x + i, cb);
+        vf_store(batch->rise_y + i, ac);
+        vf_store(batch->ahead + i, (run + nu * (q.error / NU_SCALE)) - moved);
+    }
+}
+
+static NEVER_INLINE void place_fragments(const shb_map *map, bool gathers, size_t lanes,
+                                         const shb_receivers *r, plane_batch *batch) {
+    if (map->projection.affine) {
         place_as(map, true, lanes, r, batch);
-    else
+        find_own_planes(map, true, gathers, lanes, r, batch);
+    } else {
         place_as(map, false, lanes, r, batch);
+        find_own_planes(map, false, gathers, lanes, r, batch);
+    }
 }
 
-/* Two halves a lane, x in the lower one, as shb_half_to_float. */
-static inline ALWAYS_INLINE vf widen_halves(vu halves) {
-    const vu magnitude = (halves & 0x7fff) << 13;
-    const vu size = (vu)((vf)magnitude * 0x1p112f);
-    const vu infinite = (vu)(magnitude >= 0x7c00u << 13) & 0x7f800000u;
-    return (vf)(size | (halves & 0x8000) << 16 | infinite);
-}
-
-/* Bits of WIDE fragments whose own planes their texels' depths lie in front of. */
-static inline ALWAYS_INLINE uint32_t in_front_at(const plane_batch *batch, size_t i) {
-    uint32_t in_front = 0;
-    for (size_t k = 0; k < WIDE; k += DOUBLES)
-        in_front |=
-            wd_greater_bits(wd_load(batch->limit + i + k), wd_load_floats(batch->depth + i + k))
-            << k;
-    return in_front;
-}
-
-/* The slopes that WIDE texels hold, where they are asked for. */
-static inline ALWAYS_INLINE void read_slopes(const shb_map *map, bool gathers, plane_batch *batch,
-                                             size_t i, uint32_t asked) {
-    const char *texels = (const char *)map->occluders.texels;
-    const size_t stride = map->occluders.stride;
+/* Lists the vectors of fragments that are not all lit, and asks for their texels' slopes. */
+static inline ALWAYS_INLINE size_t find_open(const shb_map *map, bool gathers, size_t lanes,
+                                             plane_batch *batch, uint16_t *vectors) {
+    const float depth_error = map->occluders.quick.depth_error / NU_SCALE;
     const vf far_depth = vf_splat(shb_far_depth(map->info.view.reversed));
-    const vf depth = vf_load(batch->depth + i);
-    const vi holds = (vi)(depth < far_depth);
-    const vi read = holds & ((vi_splat((int32_t)asked) >> vi_numbers() & 1) != 0);
-    const vi column = vi_load(batch->column + i) & read, row = vi_load(batch->row + i) & read;
-    vu slopes;
+    size_t count = 0;
+    for (size_t i = 0; i < lanes; i += DOUBLES)
+        wd_store_floats(batch->behind + i,
+                        wd_load(batch->z + i) - wd_load_floats(batch->stored + i));
+    for (size_t i = 0; i < lanes; i += WIDE) {
+        const vf behind = vf_load(batch->behind + i);
+        const vf ahead = vf_load(batch->steepness + i) * behind + vf_load(batch->ahead + i);
+        const vf error = (vf_load(batch->nu + i) * vf_abs(behind)) * depth_error;
+        const vi open = (vi)(vf_load(batch->stored + i) < far_depth) & ~(vi)(ahead + error < 0);
+        vf_store(batch->ahead + i, ahead);
+        vi_store(batch->open + i, open);
+        if (!vi_any(open))
+            continue;
+        if (gathers)
+            prefetch_marked(map->occluders.texels, map->occluders.stride, batch, i, open);
+        vectors[count++] = (uint16_t)i;
+    }
+    return count;
+}
+
+static inline ALWAYS_INLINE vu read_slopes(const shb_map *map, bool gathers,
+                                           const plane_batch *batch, size_t i, vi asked) {
+    const vi column = vi_load(batch->column + i) & asked, row = vi_load(batch->row + i) & asked;
     if (gathers)
-        slopes = (vu)vf_gather((const float *)(const void *)texels,
-                               row * (int32_t)(stride / 4) + column);
-    else
-        for (int k = 0; k < WIDE; k++)
-            slopes[k] = shb_occluder_row(map, row[k])[column[k]];
-    vf_store(batch->depth + i, vf_where(holds, depth, vf_splat(INFINITY)));
-    vf_store(batch->slope_x + i, widen_halves(slopes));
-    vf_store(batch->slope_y + i, widen_halves(slopes >> 16));
+        return (vu)vf_gather((const float *)(const void *)map->occluders.texels,
+                             row * (int32_t)(map->occluders.stride / 4) + column);
+    vu slopes;
+    for (int k = 0; k < WIDE; k++)
+        slopes[k] = shb_occluder_row(map, row[k])[column[k]];
+    return slopes;
 }
 
-static inline ALWAYS_INLINE wide_exact_sample samples_at(const plane_batch *batch, double unit,
-                                                         size_t i) {
-    const double smallest = SHB_HALF_ABSOLUTE * unit;
-    const wd slope_x = wd_load_floats(batch->slope_x + i) * unit;
-    const wd slope_y = wd_load_floats(batch->slope_y + i) * unit;
-    return (wide_exact_sample){.center_x = wd_load(batch->center_x + i),
-                               .center_y = wd_load(batch->center_y + i),
-                               .depth = wd_load_floats(batch->depth + i),
-                               .slope_x = slope_x,
-                               .slope_y = slope_y,
-                               .slope_error_x = wd_abs(slope_x) * SHB_HALF_RELATIVE + smallest,
-                               .slope_error_y = wd_abs(slope_y) * SHB_HALF_RELATIVE + smallest};
+/* What is sure of the planes of WIDE texels at the fragments' places: that they pass in front of
+ * them, or that they do not; infinite slopes do not. */
+typedef struct occluder_side {
+    vi passes, clears;
+    vf slopes; /* sum of sizes */
+} occluder_side;
+
+static inline ALWAYS_INLINE occluder_side judge_occluders(const shb_quick_planes *q, vu halves,
+                                                          const plane_batch *batch, size_t i,
+                                                          vf psi) {
+    const float half = (float)SHB_HALF_RELATIVE, more = 0x1p-20f;
+    const vf behind = vf_load(batch->behind + i), half_y = half_high(halves);
+    const vf slope_x = half_low(halves) * q->slope_unit, slope_y = half_y * q->slope_unit;
+    const vf slopes = vf_abs(slope_x) + vf_abs(slope_y);
+    const vf run_x = slope_x * vf_load(batch->to_x + i), run_y = slope_y * vf_load(batch->to_y + i);
+    const vf runs = vf_abs(run_x) + vf_abs(run_y), passed = behind + (run_x + run_y);
+    const vf rounding = 0x1p-22f * vf_abs(behind) + 0x1p-100f;
+    const vf most = ((half + more) * runs + rounding) +
+                    (q->occluder + psi * (q->occluder_by_place + q->occluder_by_slope * slopes));
+    const vi is_finite = is_finite_half(half_y);
+    return (occluder_side){is_finite & (passed > most),
+                           (vi)(passed < (half - more) * runs - rounding) | ~is_finite, slopes};
 }
 
-/* Bits of fragments that lie behind their texels' planes. */
-static inline ALWAYS_INLINE uint32_t behind_at(const shb_map *map, bool affine,
-                                               const shb_receivers *r, const plane_batch *batch,
-                                               size_t i) {
-    const wd position[3] = {wd_load_floats(r->x + i), wd_load_floats(r->y + i),
-                            wd_load_floats(r->z + i)};
-    const wide_exact_sample samples = samples_at(batch, map->occluders.slope_unit, i);
-    const wd x = wd_load(batch->x + i), y = wd_load(batch->y + i), z = wd_load(batch->z + i);
-    const wd inverse_w = affine ? wd_splat(1.0) : wd_load(batch->inverse_w + i);
-    const wd to_x = samples.center_x - x, to_y = samples.center_y - y;
-    const wd plane = samples.depth - (samples.slope_x * to_x + samples.slope_y * to_y);
-    const wd moved = moved_by(&map->rows, affine, position, x, y, z, inverse_w, samples.slope_x,
-                              samples.slope_y);
-    return wd_greater_bits(z - plane, moved + (samples.slope_error_x * wd_abs(to_x) +
-                                               samples.slope_error_y * wd_abs(to_y)));
+/* -1 where the stored depths surely lie in front of the fragments' own planes. */
+static inline ALWAYS_INLINE vi are_behind(const shb_quick_planes *q, const plane_batch *batch,
+                                          size_t i, vf psi, vf by_w, vf slopes) {
+    const float snapped = (float)SHB_SNAPPED_TEXELS * (1 + 0x1p-8f);
+    const vf gap = vf_abs(vf_load(batch->behind + i)), steepness = vf_load(batch->steepness + i);
+    const vf nu = vf_load(batch->nu + i) * (1 / NU_SCALE);
+    const vf rises = vf_abs(vf_load(batch->rise_x + i)) + vf_abs(vf_load(batch->rise_y + i));
+    const vf most =
+        nu * ((q->own_by_normal + q->depth_error * gap) + psi * (q->own_by_place + by_w)) +
+        (((0x1p-11f + snapped) * rises + steepness * (snapped * slopes)) + q->own);
+    const vf least_steepness = q->steep + nu * (0x1p-12f + psi * q->steep_by_place);
+    return (psi < q->farthest) & (gap < 2) & (steepness > least_steepness) &
+           (vf_load(batch->ahead + i) > most);
 }
 
-static NEVER_INLINE void test_planes(const shb_map *map, const shb_receivers *restrict r,
-                                     const plane_batch *restrict batch, size_t i,
-                                     float *restrict visibility) {
-    const wd position[3] = {wd_load_floats(r->x + i), wd_load_floats(r->y + i),
-                            wd_load_floats(r->z + i)};
-    const wd normal[3] = {wd_load_floats(r->normal_x + i), wd_load_floats(r->normal_y + i),
-                          wd_load_floats(r->normal_z + i)};
-    const wide_exact_sample samples = samples_at(batch, map->occluders.slope_unit, i);
+/* Writes who is surely shadowed; bits of those that are open and not sure. */
+static inline ALWAYS_INLINE uint32_t settle_open(const shb_map *map, bool affine, bool gathers,
+                                                 const shb_receivers *restrict r,
+                                                 const plane_batch *restrict batch, size_t i,
+                                                 float *restrict visibility) {
+    const shb_quick_planes *q = &map->occluders.quick;
+    const vi open = vi_load(batch->open + i);
+    const vu halves = read_slopes(map, gathers, batch, i, open);
+    const vf place =
+        (vf_abs(vf_load(r->x + i)) + vf_abs(vf_load(r->y + i))) + vf_abs(vf_load(r->z + i));
+    vf psi = 3 * place + q->beta, by_w = vf_splat(q->own_by_w);
+    if (!affine) {
+        const vf inverse_w = vf_load(batch->inverse_w + i);
+        psi *= inverse_w;
+        by_w *= inverse_w;
+    }
+    const occluder_side occluders = judge_occluders(q, halves, batch, i, psi);
+    const vi is_shadowed =
+        open & occluders.passes & are_behind(q, batch, i, psi, by_w, occluders.slopes);
+    vf_store(visibility + i, vf_keep(~is_shadowed, vf_splat(1.0f)));
+    return vi_bits(open & ~(is_shadowed | occluders.clears));
+}
+
+/* Up to DOUBLES fragments and their texels, which hold occluders. */
+typedef struct plane_lanes {
+    float position[3][DOUBLES], normal[3][DOUBLES];
+    float center_x[DOUBLES], center_y[DOUBLES], depth[DOUBLES], slope_x[DOUBLES], slope_y[DOUBLES];
+} plane_lanes;
+
+/* The first one fills up the lanes. */
+static inline void pick_lanes(const shb_map *map, const shb_receivers *r, const plane_batch *batch,
+                              const uint16_t *numbers, size_t count, plane_lanes *lanes) {
+    for (size_t k = 0; k < DOUBLES; k++) {
+        const size_t i = numbers[k < count ? k : 0];
+        const uint32_t slopes = shb_occluder_row(map, batch->row[i])[batch->column[i]];
+        lanes->position[0][k] = r->x[i];
+        lanes->position[1][k] = r->y[i];
+        lanes->position[2][k] = r->z[i];
+        lanes->normal[0][k] = r->normal_x[i];
+        lanes->normal[1][k] = r->normal_y[i];
+        lanes->normal[2][k] = r->normal_z[i];
+        lanes->center_x[k] = (float)batch->column[i] + 0.5f;
+        lanes->center_y[k] = (float)batch->row[i] + 0.5f;
+        lanes->depth[k] = batch->stored[i];
+        lanes->slope_x[k] = shb_half_to_float((uint16_t)slopes);
+        lanes->slope_y[k] = shb_half_to_float((uint16_t)(slopes >> 16));
+    }
+}
+
+static NEVER_INLINE void test_planes(const shb_map *map, const shb_receivers *r,
+                                     const plane_batch *batch, const uint16_t *numbers,
+                                     size_t count, float *visibility) {
+    const double unit = map->occluders.slope_unit, smallest = SHB_HALF_ABSOLUTE * unit;
+    plane_lanes lanes;
+    wd position[3], normal[3];
+    pick_lanes(map, r, batch, numbers, count, &lanes);
+    for (int k = 0; k < 3; k++) {
+        position[k] = wd_load_floats(lanes.position[k]);
+        normal[k] = wd_load_floats(lanes.normal[k]);
+    }
+    const wd slope_x = wd_load_floats(lanes.slope_x) * unit;
+    const wd slope_y = wd_load_floats(lanes.slope_y) * unit;
+    const wide_exact_sample samples = {
+        .center_x = wd_load_floats(lanes.center_x),
+        .center_y = wd_load_floats(lanes.center_y),
+        .depth = wd_load_floats(lanes.depth),
+        .slope_x = slope_x,
+        .slope_y = slope_y,
+        .slope_error_x = wd_abs(slope_x) * SHB_HALF_RELATIVE + smallest,
+        .slope_error_y = wd_abs(slope_y) * SHB_HALF_RELATIVE + smallest};
     const wide_light_point points = wide_light_point_at(&map->rows, position, SHB_FLOAT_ROUNDING);
     const wide_light_slopes slopes = wide_exact_slopes_of(&map->rows, &points, normal);
     const wd errors = wide_exact_error_of(&points, &slopes);
     const uint32_t shadowed = wide_exact_shadowed_bits(&points, &slopes, errors, &samples);
-    for (size_t k = 0; k < DOUBLES; k++)
-        visibility[i + k] = shadowed >> k & 1 ? 0.0f : 1.0f;
+    for (size_t k = 0; k < DOUBLES && k < count; k++)
+        visibility[numbers[k]] = shadowed >> k & 1 ? 0.0f : 1.0f;
 }
 
 static inline ALWAYS_INLINE void ask_planes_as(const shb_map *map, bool affine, bool gathers,
                                                size_t lanes, const shb_receivers *receivers,
                                                float *visibility) {
     plane_batch batch;
-    uint16_t near[SHB_BATCH], unsure[SHB_BATCH];
-    size_t near_count = 0, unsure_count = 0;
-    place_fragments(map, lanes, receivers, &batch);
-    fetch_whole(map, lanes, batch.column, batch.row, batch.depth);
-    for (size_t i = 0; i < lanes; i += WIDE) {
-        near[near_count] = (uint16_t)i;
-        near_count += in_front_at(&batch, i) != 0;
+    uint16_t vectors[SHB_BATCH], unsure[SHB_BATCH];
+    size_t unsure_count = 0;
+    place_fragments(map, gathers, lanes, receivers, &batch);
+    fetch_whole(map, lanes, batch.column, batch.row, batch.stored);
+    for (size_t i = 0; i < lanes; i += WIDE)
         vf_store(visibility + i, vf_splat(1.0f));
+    const size_t vector_count = find_open(map, gathers, lanes, &batch, vectors);
+    for (size_t n = 0; n < vector_count; n++) {
+        const size_t i = vectors[n];
+        uint32_t bits = settle_open(map, affine, gathers, receivers, &batch, i, visibility);
+        for (; bits; bits &= bits - 1)
+            unsure[unsure_count++] = (uint16_t)(i + (size_t)__builtin_ctz(bits));
     }
-    for (size_t n = 0; n < near_count; n++)
-        read_slopes(map, gathers, &batch, near[n], in_front_at(&batch, near[n]));
-    for (size_t n = 0; n < near_count; n++)
-        for (size_t i = near[n]; i < near[n] + (size_t)WIDE; i += DOUBLES) {
-            const uint32_t in_front =
-                wd_greater_bits(wd_load(batch.limit + i), wd_load_floats(batch.depth + i));
-            unsure[unsure_count] = (uint16_t)i;
-            unsure_count += (in_front & behind_at(map, affine, receivers, &batch, i)) != 0;
-        }
-    for (size_t n = 0; n < unsure_count; n++)
-        test_planes(map, receivers, &batch, unsure[n], visibility);
+    for (size_t n = 0; n < unsure_count; n += DOUBLES)
+        test_planes(map, receivers, &batch, unsure + n, unsure_count - n, visibility);
 }
 
 static void ask_planes(const shb_map *map, size_t count, const shb_receivers *receivers,
                        float *visibility) {
     const size_t lanes = shb_round_to_lanes(count);
-    const bool gathers = map->occluders.stride / 4 <= (size_t)INT32_MAX / map->info.height;
+    const bool gathers =
+        can_gather(map) && map->occluders.stride / 4 <= (size_t)INT32_MAX / map->info.height;
     if (!gathers)
-        ask_planes_as(map, false, false, lanes, receivers, visibility);
+        ask_planes_as(map, map->projection.affine, false, lanes, receivers, visibility);
     else if (map->projection.affine)
         ask_planes_as(map, true, true, lanes, receivers, visibility);
     else
