@@ -16,17 +16,19 @@
 
 enum { GROUP = SHB_LIST_GROUP, RUN = SHB_LIST_RUN };
 
+/* Of points near which nothing is. */
+static const shb_list_cell NO_CELL[2] = {{0, HUGE_VALF}, {0, HUGE_VALF}};
+
 /* A group while it is asked. */
 typedef struct inquiry {
     const shb_lists *lists;
-    const uint32_t *own_ids; /* of the group's points, or NULL */
     double rounding;
     shb_list_group g;
     size_t count;
-    const shb_list_cell *cells[GROUP];    /* NULL: nothing is near */
+    const shb_list_cell *cells[GROUP];
     const shb_list_entry *entries[GROUP]; /* of the cells' tiles */
     size_t run_count;
-    shb_list_run runs[GROUP];
+    shb_list_run runs[1 + GROUP]; /* from the second on */
     shb_list_question questions[GROUP * SHB_LIST_STEP];
     double places[3][GROUP]; /* of points that are not where the host has them */
 } inquiry;
@@ -64,7 +66,7 @@ static bool is_finite(const shb_triangle *triangle) {
 }
 
 static uint32_t own_id_of(const inquiry *q, size_t number) {
-    return q->own_ids ? q->own_ids[number] : SHB_ID_NONE;
+    return q->g.has_own ? q->g.own[number] : SHB_ID_NONE;
 }
 
 /* Decides a triangle in doubt by the ray. */
@@ -120,7 +122,7 @@ static void place_on_triangles(inquiry *q, const float *weight_1, const float *w
     const shb_lists *lists = q->lists;
     for (size_t k = 0; k < GROUP; k++) {
         const size_t point = k < q->count ? k : q->count - 1;
-        const uint32_t *corners = lists->corners[q->own_ids[point]];
+        const uint32_t *corners = lists->corners[q->g.own[point]];
         const double *a = lists->vertices[corners[0]], *b = lists->vertices[corners[1]];
         const double *c = lists->vertices[corners[2]];
         for (int i = 0; i < 3; i++)
@@ -134,7 +136,9 @@ static void load(inquiry *q, const shb_list_points *points, size_t first) {
     const size_t rest = points->count - first;
     const double *const from[3] = {points->x, points->y, points->z};
     q->count = rest < GROUP ? rest : GROUP;
-    q->own_ids = points->own_ids ? points->own_ids + first : NULL;
+    q->g.has_own = points->own_ids != NULL;
+    for (size_t k = 0; q->g.has_own && k < GROUP; k++)
+        q->g.own[k] = points->own_ids[first + (k < q->count ? k : q->count - 1)];
     if (points->weight_1)
         place_on_triangles(q, points->weight_1 + first, points->weight_2 + first);
     for (int i = 0; i < 3; i++) {
@@ -151,7 +155,8 @@ static void load(inquiry *q, const shb_list_points *points, size_t first) {
 static void find_cells(inquiry *q) {
     const shb_lists *lists = q->lists;
     for (size_t i = 0; i < q->count; i++) {
-        q->cells[i] = NULL;
+        q->cells[i] = NO_CELL;
+        q->entries[i] = q->lists->entries;
         if (q->g.column[i] < 0)
             continue;
         const uint32_t column = (uint32_t)q->g.column[i], row = (uint32_t)q->g.row[i];
@@ -167,59 +172,54 @@ static void find_cells(inquiry *q) {
     }
 }
 
-static void start_run(inquiry *q, size_t point) {
-    const shb_list_cell *cell = q->cells[point];
-    shb_list_run *r = &q->runs[q->run_count++];
-    *r = (shb_list_run){.entry = q->entries[point] + cell[0].start,
-                        .end = q->entries[point] + cell[1].start,
-                        .depth = -HUGE_VALF,
-                        .first = (uint8_t)(point < GROUP - RUN ? point : GROUP - RUN)};
-    __builtin_prefetch(r->entry);
-    __builtin_prefetch(r->entry + SHB_LIST_STEP - 1);
+/* Inlined always: gcc takes a function that only fetches for one without effect. */
+static inline __attribute__((always_inline)) void fetch_entries(const inquiry *q) {
+    for (size_t i = 1; i <= q->run_count; i++) {
+        __builtin_prefetch(q->runs[i].entry);
+        __builtin_prefetch(q->runs[i].entry + SHB_LIST_STEP - 1);
+    }
 }
 
-/* Answers the points that their cells decide; the others become runs. */
+/* Answers the points that their cells decide; the others become runs. Where a run begins cannot be
+ * foreseen, so nothing is branched on: the latest run is written once more with each point. */
 static void ask_cells(inquiry *q, float *visibility) {
-    const shb_list_cell *last = NULL; /* of the latest run */
-    q->run_count = 0;
+    const shb_list_cell *last = NO_CELL; /* of the latest run */
+    shb_list_run run = {.depth = -HUGE_VALF};
+    size_t first = 0, count = 0;
+    uint32_t open = 0;
     for (size_t i = 0; i < q->count; i++) {
         const shb_list_cell *cell = q->cells[i];
-        visibility[i] = 1;
-        if (!cell || cell[0].start == cell[1].start)
-            continue;
         if (q->g.scale[i] > 1) {
             visibility[i] = is_blocked_outside(q, i) ? 0.0f : 1.0f;
             continue;
         }
-        if (q->g.depth[i] > (double)cell->far) {
-            visibility[i] = 0;
-            continue;
-        }
-        if (cell != last || i - q->runs[q->run_count - 1].first >= RUN)
-            start_run(q, i);
-        last = cell;
-        shb_list_run *r = &q->runs[q->run_count - 1];
-        const float depth = (float)q->g.depth[i];
-        r->depth = depth > r->depth ? depth : r->depth;
-        r->open = (uint8_t)(r->open | 1u << (i - r->first));
+        const bool has_entries = cell[0].start != cell[1].start;
+        const bool is_behind = has_entries & (q->g.depth[i] > (double)cell[0].far);
+        const bool asks = has_entries & !is_behind;
+        const bool starts = asks & ((cell != last) | (i - first >= RUN));
+        const float depth = asks ? (float)q->g.depth[i] : -HUGE_VALF;
+        const float deepest = starts ? -HUGE_VALF : run.depth;
+        visibility[i] = is_behind ? 0.0f : 1.0f;
+        last = asks ? cell : last;
+        first = starts ? (i < GROUP - RUN ? i : GROUP - RUN) : first;
+        open = (starts ? 0 : open) | (uint32_t)asks << (i - first) % RUN;
+        count += starts;
+        run.entry = asks ? q->entries[i] + cell[0].start : run.entry;
+        run.end = asks ? q->entries[i] + cell[1].start : run.end;
+        run.depth = depth > deepest ? depth : deepest;
+        run.first = (uint8_t)first;
+        run.open = (uint8_t)open;
+        q->runs[count] = run;
     }
+    q->run_count = count;
 }
 
 /* The points of a run that a triangle blocks. */
 static uint32_t blocked_of(const inquiry *q, const shb_list_question *answered) {
-    const uint32_t open = q->runs[answered->run].open;
+    const uint32_t open = q->runs[1 + answered->run].open;
     uint32_t blocked = answered->asked & open;
     const shb_list_triangle *t = &q->lists->triangles[answered->triangle];
     uint32_t doubt = answered->doubt & open;
-    if (q->own_ids)
-        for (uint32_t bits = blocked | doubt; bits; bits &= bits - 1) {
-            const uint32_t bit = bits & -bits;
-            const size_t number = answered->first + (size_t)__builtin_ctz(bits);
-            if (answered->triangle == q->own_ids[number]) {
-                blocked &= ~bit;
-                doubt &= ~bit;
-            }
-        }
     for (; doubt; doubt &= doubt - 1)
         if (blocks_in_doubt(q, t, answered->first + (size_t)__builtin_ctz(doubt)))
             blocked |= doubt & -doubt;
@@ -228,7 +228,7 @@ static uint32_t blocked_of(const inquiry *q, const shb_list_question *answered) 
 
 static void settle(inquiry *q, const shb_list_question *answered, float *visibility) {
     const uint32_t blocked = blocked_of(q, answered);
-    q->runs[answered->run].open &= (uint8_t)~blocked;
+    q->runs[1 + answered->run].open &= (uint8_t)~blocked;
     for (uint32_t bits = blocked; bits; bits &= bits - 1)
         visibility[answered->first + __builtin_ctz(bits)] = 0;
 }
@@ -237,9 +237,9 @@ static void settle(inquiry *q, const shb_list_question *answered, float *visibil
 static void keep_open_runs(inquiry *q) {
     size_t kept = 0;
     for (size_t i = 0; i < q->run_count; i++) {
-        const shb_list_run *r = &q->runs[i];
-        q->runs[kept] = *r;
-        kept += r->open && r->entry < r->end;
+        const shb_list_run r = q->runs[1 + i];
+        q->runs[1 + kept] = r;
+        kept += (r.open != 0) & (r.entry < r.end);
     }
     q->run_count = kept;
 }
@@ -249,8 +249,10 @@ static void ask_group(inquiry *q, float *visibility) {
     const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
     kernels->locate(&lists->frame, &q->g);
     find_cells(q);
-    for (ask_cells(q, visibility); q->run_count; keep_open_runs(q)) {
-        const size_t asked = kernels->take(q->runs, q->run_count, q->questions);
+    ask_cells(q, visibility);
+    fetch_entries(q);
+    for (; q->run_count; keep_open_runs(q)) {
+        const size_t asked = kernels->take(q->runs + 1, q->run_count, q->questions);
         const size_t answered = kernels->answer(&lists->frame, lists->triangles, &q->g, q->rounding,
                                                 q->questions, asked);
         for (size_t i = 0; i < answered; i++)

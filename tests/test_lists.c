@@ -1,4 +1,5 @@
 /* Lists: the answers of the ray-cast truth for every point, at every size. */
+#include "contexts.h"
 #include "list_samples.h"
 
 #include <math.h>
@@ -292,6 +293,43 @@ TEST(coincident_triangles_do_not_shadow_each_other) {
     size_t above;
     CHECK(shadowed_below(0, 0, &above) > 0);
     CHECK_INT(above, 0);
+}
+
+/* Points moved away from the light, behind the plate that they are said to lie on. */
+static void ask_behind_own_plate(shb_isa isa) {
+    soup s = {0};
+    const float a[3] = {-0.4f, -0.4f, 0}, b[3] = {0.4f, -0.4f, 0};
+    const float c[3] = {0.4f, 0.4f, 0}, d[3] = {-0.4f, 0.4f, 0};
+    soup_add_quad(&s, a, b, c, d);
+    const shb_scene *scene = soup_scene(&s);
+    shb_context *context = test_context(1, isa);
+    const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
+    const lists_light above = {false, {0, 0, 1}};
+    const shb_view view = lists_view(&above, box, 16, false);
+    shb_lists *lists = lists_of(context, &view, 16, scene);
+    list_samples points = list_samples_create(scene, 1000, 11);
+    for (size_t i = 0; i < points.count; i++)
+        points.z[i] -= 0.125;
+    list_samples_ask(lists, &points, false, 0x1p-24);
+    for (size_t i = 0; i < points.count; i++)
+        CHECK(points.visibility[i] == 0);
+    list_samples_ask(lists, &points, true, 0x1p-24);
+    for (size_t i = 0; i < points.count; i++)
+        CHECK(points.visibility[i] == 1);
+    for (size_t i = 0; i < points.count; i++)
+        points.own_ids[i] ^= (uint32_t)i & 1;
+    list_samples_ask(lists, &points, true, 0x1p-24);
+    for (size_t i = 0; i < points.count; i++)
+        CHECK(points.visibility[i] == (i & 1 ? 0 : 1));
+    list_samples_free(&points);
+    shb_lists_destroy(lists);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
+TEST(a_points_own_triangle_does_not_shadow_it_however_far_it_lies_behind) {
+    for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa++)
+        ask_behind_own_plate(isa);
 }
 
 /* A plate hinged on the ground at y = 0 and one degree (slope 0.0175): its shadow begins there. */

@@ -26,6 +26,26 @@ static void locate_points(const shb_list_frame *frame, shb_list_group *restrict 
     }
 }
 
+#if DOUBLES == 4
+/* The numbers of those of four pairs of lanes whose bits are set. */
+static const int32_t list_pairs[16][8] = {{0},
+                                          {0, 1},
+                                          {2, 3},
+                                          {0, 1, 2, 3},
+                                          {4, 5},
+                                          {0, 1, 4, 5},
+                                          {2, 3, 4, 5},
+                                          {0, 1, 2, 3, 4, 5},
+                                          {6, 7},
+                                          {0, 1, 6, 7},
+                                          {2, 3, 6, 7},
+                                          {0, 1, 2, 3, 6, 7},
+                                          {4, 5, 6, 7},
+                                          {0, 1, 4, 5, 6, 7},
+                                          {2, 3, 4, 5, 6, 7},
+                                          {0, 1, 2, 3, 4, 5, 6, 7}};
+#endif
+
 /* Questions of those of a run's next entries that do not begin behind its depth. */
 static inline size_t take_step(const shb_list_run *run, size_t number, size_t left,
                                shb_list_question *questions) {
@@ -38,6 +58,24 @@ static inline size_t take_step(const shb_list_run *run, size_t number, size_t le
     const __m512i made = _mm512_mask_blend_epi32(0xaaaa, step, _mm512_set1_epi32((int32_t)rest));
     _mm512_storeu_si512(questions, _mm512_maskz_compress_epi64((__mmask8)taken, made));
     return (size_t)__builtin_popcount(taken);
+#elif DOUBLES == 4
+    const __m256 depth = _mm256_set1_ps(run->depth);
+    const int32_t rest =
+        (int32_t)((uint32_t)number | (uint32_t)run->first << 8 | (uint32_t)run->open << 16);
+    const uint32_t most = (1u << left) - 1;
+    size_t count = 0;
+    for (int half = 0; half < SHB_LIST_STEP; half += 4) {
+        const __m256i four = _mm256_loadu_si256((const __m256i *)(const void *)(run->entry + half));
+        const __m256 before = _mm256_cmp_ps(_mm256_castsi256_ps(four), depth, _CMP_LE_OQ);
+        const uint32_t taken =
+            (uint32_t)_mm256_movemask_pd(_mm256_castps_pd(before)) & (most >> half);
+        const __m256i made = _mm256_blend_epi32(four, _mm256_set1_epi32(rest), 0xaa);
+        const __m256i order = _mm256_loadu_si256((const __m256i *)(const void *)list_pairs[taken]);
+        _mm256_storeu_si256((__m256i *)(void *)(questions + count),
+                            _mm256_permutevar8x32_epi32(made, order));
+        count += (size_t)__builtin_popcount(taken);
+    }
+    return count;
 #else
     size_t count = 0;
     for (size_t i = 0; i < SHB_LIST_STEP; i++) {
@@ -75,10 +113,19 @@ static inline __attribute__((always_inline)) void fetch_asked(const shb_list_tri
         __builtin_prefetch(&triangles[questions[number].triangle]);
 }
 
-/* Keeps the points whose rays the triangle may meet. Those that pass no edge are marked in doubt
- * for the time being. */
-static size_t keep_covered(const shb_list_triangle *triangles, const shb_list_group *g,
-                           shb_list_question *questions, size_t count) {
+/* The points of a run that lie on the triangle. */
+static inline uint32_t own_points(const shb_list_group *g, uint32_t triangle, size_t first) {
+    uint32_t own = 0;
+    for (int lane = 0; lane < SHB_LIST_RUN; lane += WIDE)
+        own |= vi_bits((vi)(vu_load(g->own + first + lane) == triangle)) << lane;
+    return own;
+}
+
+/* Keeps the points whose rays the triangle may meet, its own apart. Those that pass no edge are
+ * marked in doubt for the time being. */
+static inline __attribute__((always_inline)) size_t
+keep_covered(const shb_list_triangle *triangles, const shb_list_group *g, bool has_own,
+             shb_list_question *questions, size_t count) {
     size_t kept = 0;
     for (size_t i = 0; i < count && i < LIST_ASK_AHEAD; i++)
         fetch_asked(triangles, questions, i, count);
@@ -98,6 +145,8 @@ static size_t keep_covered(const shb_list_triangle *triangles, const shb_list_gr
             covered |= vm_bits(covers) << lane;
             inside |= vm_bits(vm_below(covers, vf_splat(margin), least)) << lane;
         }
+        if (has_own)
+            covered &= ~own_points(g, q.triangle, q.first);
         q.asked = (uint8_t)(q.asked & covered);
         q.doubt = (uint8_t)inside;
         questions[kept] = q;
@@ -119,7 +168,8 @@ static inline void list_changes(const shb_list_frame *frame, const shb_list_tria
 static size_t answer_questions(const shb_list_frame *frame, const shb_list_triangle *triangles,
                                const shb_list_group *g, double rounding,
                                shb_list_question *questions, size_t count) {
-    const size_t covered = keep_covered(triangles, g, questions, count);
+    const size_t covered = g->has_own ? keep_covered(triangles, g, true, questions, count)
+                                      : keep_covered(triangles, g, false, questions, count);
     const bool is_rounded = rounding > 0;
     const wd unit = wd_splat((1 + 0x1p-20) * rounding);
     size_t kept = 0;

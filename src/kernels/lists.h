@@ -126,6 +126,8 @@ typedef struct shb_list_group {
     double inverse_w[SHB_LIST_GROUP];
     double scale[SHB_LIST_GROUP]; /* of the triangles' bounds: above 1 outside the scene */
     int32_t column[SHB_LIST_GROUP], row[SHB_LIST_GROUP]; /* texel; column -1: not in the view */
+    bool has_own;                                /* it is known on which triangles the points lie */
+    uint32_t own[SHB_LIST_GROUP + SHB_LIST_RUN]; /* these, and what vectors may read */
 } shb_list_group;
 
 /* Points of a group that follow each other in one cell. */
@@ -169,7 +171,8 @@ typedef struct shb_list_kernels {
     size_t (*take)(shb_list_run *runs, size_t count, shb_list_question *questions);
 
     /* Answers questions by the bounds of rounding; rounding as in shb_list_points, of points whose
-     * scale is 1. Those that say something are moved to the front; returns how many they are. */
+     * scale is 1. Nothing is asked of a point about its own triangle. Those that say something are
+     * moved to the front; returns how many they are. */
     size_t (*answer)(const shb_list_frame *frame, const shb_list_triangle *triangles,
                      const shb_list_group *group, double rounding, shb_list_question *questions,
                      size_t count);
