@@ -344,6 +344,22 @@ TEST(a_sheet_that_turns_round_before_the_fragment_does_not_shadow_it) {
     ribbon_free(&r);
 }
 
+/* A roof that goes over into a ramp and a floor, above which a point hovers. Of the 7 x 7 texels
+ * around it one column is on the roof; the ramp's plane passes behind the point. The roof's sheet
+ * leads to the floor below the point, which is not its own. */
+TEST(a_sheet_that_goes_on_behind_a_point_shadows_it) {
+    static const profile_point points[] = {{-0.9f, 1}, {0, 1}, {0.2f, -1}, {0.9f, -1}};
+    ribbon r = ribbon_of(4, points, 0);
+    const float position[] = {0.26f, 0.1f, 0}, normal[] = {0, 0, 1};
+    const shb_points asked = {.count = 1, .positions = position, .normals = normal};
+    const shb_bias exact = shb_bias_exact();
+    const shb_filter box = shb_filter_pcf(7, SHB_UNIT_DEPTH, SHB_TAPS_PLANE);
+    float visibility = -1;
+    CHECK_INT(shb_map_visibility(r.map, &asked, &exact, &box, &visibility), SHB_OK);
+    CHECK_NEAR(visibility, 6.0 / 7, 1e-6);
+    ribbon_free(&r);
+}
+
 /* A slit between two boxes on the ground, seen by no sample: all of them are on the boxes. */
 TEST(a_slit_between_boxes_lets_the_light_through) {
     ribbon r = {0};
