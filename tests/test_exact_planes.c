@@ -169,6 +169,49 @@ TEST(a_gap_of_a_millionth_of_the_scene_casts_its_shadow) {
     close_host(&h);
 }
 
+/* A point at (2.25, 3.5) and depth 0.5 and a texel whose centre is (2.25, -2) away. The point's
+ * plane is there at 0.5 + 2.25 slope_x - 2 slope_y, within error + 2.25 * 0.001 + 2 * 0.002 and
+ * what snapping moves the other plane's end by, 2^-9 texels (and 2^-10 of that); the texel's plane
+ * is 0.5 * 2.25 - 0.125 * 2 nearer at the point, within 0.03 + 0.5 * 0.01 + 0.125 * 0.02 of the
+ * point and 2.25 * 0.004 + 2 * 0.008 of its own. */
+TEST(mutual_planes_shadow_by_more_than_both_bounds) {
+    const shb_light_point point = {
+        .x = 2.25, .y = 3.5, .z = 0.5, .w = 1, .error_x = 0.01, .error_y = 0.02, .error_z = 0.03};
+    const double slopes[2][2] = {{0.25, -0.5}, {-0.25, 0.5}};
+    const double snapped = 0x1p-9 * (1 + 0x1p-10), within = 0x1p-40;
+    const double limits[2] = {
+        /* the texel's plane decides */
+        0.5 + (0.5 * 2.25 - 0.125 * 2) - (0.03 + 0.5 * 0.01 + 0.125 * 0.02) -
+            (2.25 * 0.004 + 2 * 0.008),
+        /* the point's own */
+        0.5 - 0.25 * 2.25 - 0.5 * 2 - (0.05 + 2.25 * 0.001 + 2 * 0.002) - (0.75 + 0.375) * snapped};
+    for (int i = 0; i < 2; i++) {
+        const shb_exact_fragment fragment = {
+            point, {slopes[i][0], slopes[i][1], 0.001, 0.002}, 0.05};
+        shb_exact_sample sample = {4.5, 1.5, limits[i] - within, 0.5, 0.125, 0.004, 0.008};
+        CHECK(shb_exact_is_shadowed(&fragment, &sample));
+        sample.depth = limits[i] + within;
+        CHECK(!shb_exact_is_shadowed(&fragment, &sample));
+    }
+}
+
+TEST(planes_without_a_usable_normal_are_known_to_face_the_light) {
+    static const double normals[][3] = {{0, 0, 0}, {(double)NAN, 0, 1}, {HUGE_VAL, 0, 0}};
+    const double position[3] = {0.25, 0.5, 1};
+    const shb_map_desc desc = {
+        .view = probe_orthographic(false), .width = 16, .occluders = SHB_OCCLUDERS_PLANES};
+    host h;
+    open_host(&h, &desc);
+    for (int i = 0; i < 3; i++) {
+        const shb_exact_fragment fragment =
+            shb_exact_fragment_of(&h.map->rows, position, normals[i]);
+        const shb_light_slopes *s = &fragment.slopes;
+        CHECK(s->x == 0 && s->y == 0 && s->error_x == 0 && s->error_y == 0);
+        CHECK(fragment.error >= 0 && fragment.error < 1e-5);
+    }
+    close_host(&h);
+}
+
 /* The test of one fragment by the scalar functions. */
 static float mutual_answer(const shb_map *map, const float at[3], const float turned[3]) {
     const double position[3] = {(double)at[0], (double)at[1], (double)at[2]};
