@@ -57,6 +57,10 @@ static shb_result draw_picture(shb_context *context, const shb_view *camera, con
 }
 
 int main(int argc, char **argv) {
+    if (argc > 2 || (argc == 2 && argv[1][0] == '-')) {
+        fprintf(stderr, "usage: picture [FILE.ppm]\n");
+        return 2;
+    }
     const shb_instance instances[] = {
         {.mesh = &ground},
         {.mesh = &box, .world_from_mesh = shb_mat4_rotation((shb_vec3){0, 1, 0}, 0.5)}};
