@@ -33,7 +33,8 @@ uint64_t shb_mesh_key(const shb_mesh *mesh) {
     const uint32_t counts[3] = {mesh->vertex_count, mesh->triangle_count, 0};
     uint32_t words[3];
     add_words(&key, 0, counts);
-    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+    /* a mesh without triangles may have no vertices to read */
+    for (uint32_t i = 0; mesh->triangle_count && i < mesh->vertex_count; i++) {
         memcpy(words, shb_mesh_position(mesh, i), sizeof words);
         add_words(&key, i, words);
     }
@@ -89,6 +90,8 @@ static uint32_t weld(weld_table *table, shb_vec3 point) {
 static void weld_instance(weld_table *table, const shb_instance *instance, uint32_t (*corners)[3]) {
     const shb_mesh *mesh = instance->mesh;
     const shb_mat4 transform = shb_instance_transform(instance);
+    if (mesh->triangle_count == 0)
+        return;
     memset(table->welded, 0xff, mesh->vertex_count * sizeof *table->welded);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         uint32_t vertices[3];
@@ -112,7 +115,8 @@ static size_t count_vertices(const shb_scene *scene, size_t *largest) {
         const shb_mesh *mesh = scene->instances[i].mesh;
         const size_t corners = 3 * (size_t)mesh->triangle_count;
         all += corners < mesh->vertex_count ? corners : mesh->vertex_count;
-        *largest = mesh->vertex_count > *largest ? mesh->vertex_count : *largest;
+        if (corners && mesh->vertex_count > *largest)
+            *largest = mesh->vertex_count;
     }
     return all;
 }

@@ -3,6 +3,7 @@
 
 #include "allocator.h"
 #include "contexts.h"
+#include "probe.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "soup.h"
@@ -261,6 +262,30 @@ TEST(a_mesh_without_triangles_has_no_clusters) {
     CHECK_INT(clusters->count, 0);
     shb_clusters_destroy(clusters);
     shb_clusters_destroy(NULL);
+    shb_context_destroy(context);
+}
+
+/* Whatever its other fields say, nothing of it is read. */
+TEST(a_mesh_without_triangles_may_lack_what_it_counts) {
+    static const float corners[] = {-1, -1, 0, 1, -1, 0, 0, 1, 0};
+    const shb_mesh meshes[2] = {{.positions = corners, .vertex_count = 3, .triangle_count = 1},
+                                {.vertex_count = UINT32_MAX, .position_stride = 7}};
+    const shb_instance instances[2] = {{.mesh = &meshes[1]}, {.mesh = &meshes[0]}};
+    const shb_scene scene = {instances, 2};
+    shb_context *context = test_context(0, SHB_ISA_BEST);
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, &meshes[1], &clusters), SHB_OK);
+    shb_clusters_destroy(clusters);
+    for (int i = 0; i < 8; i++) {
+        const shb_map_desc desc = {.view = probe_orthographic(false),
+                                   .width = 16,
+                                   .occluders = (shb_occluders)(i / 2),
+                                   .classifies = i % 2};
+        shb_map *map = NULL;
+        CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+        CHECK_INT(shb_map_draw(map, &scene, NULL, NULL), SHB_OK);
+        shb_map_destroy(map);
+    }
     shb_context_destroy(context);
 }
 
