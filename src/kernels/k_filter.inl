@@ -186,11 +186,11 @@ static inline ALWAYS_INLINE bool any_set(const int32_t *masks, size_t count) {
  * that are not read in place anything may be asked for, so addresses are numbers. */
 static inline ALWAYS_INLINE void prefetch_boxes(const box_run *run, size_t first, size_t count,
                                                 int width) {
-    const int32_t *place = run->batch->place + first;
+    const int32_t *place = run->batch->place;
     const intptr_t left = (intptr_t)run->batch->map->depth.texels;
     const intptr_t right = left + (intptr_t)sizeof(float) * (width - 1);
     const intptr_t down = (run->n - 1) * (intptr_t)run->batch->map->depth.stride;
-    for (size_t i = 0; i < count && first < run->end; i += 2) {
+    for (size_t i = first; i < first + count && first < run->end; i += 2) {
         const intptr_t even = (intptr_t)sizeof(float) * place[i];
         const intptr_t odd = (intptr_t)sizeof(float) * place[i + (count > 1)];
         __builtin_prefetch((const void *)(left + even));
