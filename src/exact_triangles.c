@@ -14,7 +14,6 @@
 
 #include "exact.h"
 #include "exact_sheet.h"
-#include "exact_walk.h"
 #include "kernels/shade.h"
 #include "occluders.h"
 
@@ -28,10 +27,9 @@ typedef enum hit { HIT_NONE, HIT_BEHIND, HIT_OWN, HIT_IN_FRONT } hit;
 /* A point of a group. */
 typedef struct asking {
     const shb_map *map;
-    const shb_receivers *receivers;
     double rounding; /* of positions, as in light_point.h */
     const shb_walk_group *group;
-    size_t i, number; /* in the group, and among the receivers */
+    size_t i, number; /* in the group, and in the batch */
 } asking;
 
 static void place_of(const asking *a, double at[2]) {
@@ -58,14 +56,6 @@ static hit compare_depth(const asking *a, uint32_t triangle) {
 
 static hit hit_of(const asking *a, uint32_t triangle) {
     return triangle == a->group->own_ids[a->i] ? HIT_OWN : compare_depth(a, triangle);
-}
-
-/* Of the next triangle whose plane is known; HIT_NONE: the walk has ended. */
-static hit next_hit(const asking *a, shb_walk *walk) {
-    hit found = HIT_NONE;
-    for (uint32_t met; !found && (met = shb_walk_next(walk)) != SHB_ID_NONE;)
-        found = hit_of(a, met);
-    return found;
 }
 
 /* Triangles of a way over a sheet. */
@@ -128,27 +118,6 @@ static void go(const asking *a, const surroundings *near, int steps, sheet_way *
         way->hit = hit_of(a, way->triangle);
 }
 
-/* The test of mutual planes with the nearest sample's triangle. */
-static bool is_shadowed_by_planes(const asking *a) {
-    const shb_map *map = a->map;
-    const shb_receivers *r = a->receivers;
-    const size_t i = a->number;
-    const shb_occluder_plane *plane = &map->occluders.planes[a->group->samples[0][a->i]];
-    const double position[3] = {(double)r->x[i], (double)r->y[i], (double)r->z[i]};
-    const double normal[3] = {(double)r->normal_x[i], (double)r->normal_y[i],
-                              (double)r->normal_z[i]};
-    double center[2];
-    place_sample(a, 0, center);
-    const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
-    const shb_exact_sample sample = {.center_x = center[0],
-                                     .center_y = center[1],
-                                     .depth = shb_occluder_depth(plane, center[0], center[1]) +
-                                              plane->error,
-                                     .slope_x = plane->slope_x,
-                                     .slope_y = plane->slope_y};
-    return shb_exact_is_shadowed(&fragment, &sample);
-}
-
 static bool sees_all(const asking *a) {
     bool sees = true;
     for (int k = 0; k < 4; k++)
@@ -176,29 +145,44 @@ static hit first_hit(const asking *a) {
                                           : HIT_NONE;
 }
 
-/* Walks go on where ways have ended. All of them are begun before the first goes on: what one
- * waits for the others can use. */
-static bool walks_meet_shadow(const asking *a, int count, const sheet_way *ways) {
-    bool are_cut = sees_all(a);
-    shb_walk walks[4];
-    double to[2];
-    place_of(a, to);
-    for (int i = 0; i < count; i++)
-        shb_walk_begin(&a->map->occluders.mesh, ways[i].triangle, ways[i].from, to, &walks[i]);
+/* Whose ways have all ended before they met anything; if walks are cut, too, planes tell. */
+typedef struct doubtful_point {
+    size_t number;
+    uint32_t sample; /* the nearest one's triangle */
+    double center[2];
+} doubtful_point;
+
+/* What is left of a batch's points when ways have ended. */
+typedef struct left_points {
+    shb_walk_crowd crowd;
+    size_t doubtful_count;
+    doubtful_point doubtful[SHB_BATCH];
+} left_points;
+
+/* Walks go on where ways have ended. */
+static void add_walks(const asking *a, int count, const sheet_way *ways, left_points *left) {
+    shb_walk_crowd *crowd = &left->crowd;
+    bool is_known = !sees_all(a);
     for (int i = 0; i < count; i++) {
-        bool is_cut = ways[i].hit == HIT_NONE;
-        for (hit next; (next = next_hit(a, &walks[i])) != HIT_NONE;) {
-            if (next == HIT_IN_FRONT)
-                return true;
-            is_cut = false;
-        }
-        are_cut &= is_cut && walks[i].cut;
+        const size_t n = crowd->count++;
+        crowd->from_x[n] = ways[i].from[0];
+        crowd->from_y[n] = ways[i].from[1];
+        crowd->to_x[n] = a->group->x[a->i];
+        crowd->to_y[n] = a->group->y[a->i];
+        crowd->triangles[n] = ways[i].triangle;
+        crowd->points[n] = (uint32_t)a->number;
+        is_known |= ways[i].hit != HIT_NONE;
     }
-    return are_cut && is_shadowed_by_planes(a);
+    if (is_known)
+        return;
+    doubtful_point *point = &left->doubtful[left->doubtful_count++];
+    point->number = a->number;
+    point->sample = a->group->samples[0][a->i];
+    place_sample(a, 0, point->center);
 }
 
 /* One way for each triangle. */
-static bool is_shadowed(const asking *a) {
+static bool is_shadowed(const asking *a, left_points *left_over) {
     surroundings near = {{SHB_ID_NONE, SHB_ID_NONE, SHB_ID_NONE, SHB_ID_NONE}};
     bool is_plain = sees_all(a);
     sheet_way ways[4];
@@ -218,7 +202,9 @@ static bool is_shadowed(const asking *a) {
             near = surroundings_of(&a->map->occluders.mesh, way->triangle);
         is_plain &= way->hit == HIT_OWN;
     }
-    return !is_plain && walks_meet_shadow(a, count, ways);
+    if (!is_plain)
+        add_walks(a, count, ways, left_over);
+    return false;
 }
 
 /* Points of a batch that the first step has left open. */
@@ -247,24 +233,73 @@ static uint64_t all_of(const shb_walk_group *g) {
     return UINT64_MAX >> (SHB_LIST_GROUP - g->count);
 }
 
+/* Everything that a batch is asked with. */
+typedef struct batch {
+    const shb_map *map;
+    const shb_exact_points *points;
+    const shb_receivers *receivers;
+    double rounding;
+    float *visibility;
+} batch;
+
+static void walk_all(const batch *b, left_points *left) {
+    if (left->crowd.count)
+        b->map->context->shade_kernels->walk(b->map, b->rounding, b->points, &left->crowd);
+}
+
 /* Answers what the first step has left open. */
-static void ask_open(const shb_map *map, double rounding, const shb_receivers *receivers,
-                     open_points *open, float *visibility) {
+static void ask_open(const batch *b, open_points *open, left_points *left_over) {
     shb_walk_group *g = &open->group;
     if (g->count == 0)
         return;
     for (size_t n = g->count; n % SHB_LANES; n++) /* vectors are read as a whole */
         take_point(g, g->count - 1, 0, n, open);
-    map->context->shade_kernels->beside(map, rounding, g);
+    b->map->context->shade_kernels->beside(b->map, b->rounding, g);
     uint64_t shadowed = g->in_front & all_of(g);
     for (uint64_t left = all_of(g) & ~g->in_front & ~g->joined; left; left &= left - 1) {
         const size_t i = (size_t)__builtin_ctzll(left);
-        const asking a = {map, receivers, rounding, g, i, open->numbers[i]};
-        shadowed |= (uint64_t)is_shadowed(&a) << i;
+        const asking a = {b->map, b->rounding, g, i, open->numbers[i]};
+        if (SHB_WALK_CROWD - left_over->crowd.count < 4)
+            walk_all(b, left_over);
+        shadowed |= (uint64_t)is_shadowed(&a, left_over) << i;
     }
     for (; shadowed; shadowed &= shadowed - 1)
-        visibility[open->numbers[__builtin_ctzll(shadowed)]] = 0;
+        b->visibility[open->numbers[__builtin_ctzll(shadowed)]] = 0;
     g->count = 0;
+}
+
+/* The test of mutual planes with the nearest sample's triangle. */
+static bool is_shadowed_by_planes(const batch *b, const doubtful_point *point) {
+    const shb_map *map = b->map;
+    const shb_receivers *r = b->receivers;
+    const size_t i = point->number;
+    const shb_occluder_plane *plane = &map->occluders.planes[point->sample];
+    const double position[3] = {(double)r->x[i], (double)r->y[i], (double)r->z[i]};
+    const double normal[3] = {(double)r->normal_x[i], (double)r->normal_y[i],
+                              (double)r->normal_z[i]};
+    const double *center = point->center;
+    const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
+    const shb_exact_sample sample = {.center_x = center[0],
+                                     .center_y = center[1],
+                                     .depth = shb_occluder_depth(plane, center[0], center[1]) +
+                                              plane->error,
+                                     .slope_x = plane->slope_x,
+                                     .slope_y = plane->slope_y};
+    return shb_exact_is_shadowed(&fragment, &sample);
+}
+
+/* Ends all walks. */
+static void ask_left(const batch *b, left_points *left) {
+    const shb_walk_crowd *crowd = &left->crowd;
+    walk_all(b, left);
+    for (size_t i = 0; i < b->points->count; i++)
+        if (crowd->are_shadowed[i])
+            b->visibility[i] = 0;
+    for (size_t k = 0; k < left->doubtful_count; k++) {
+        const doubtful_point *point = &left->doubtful[k];
+        if (!crowd->are_known[point->number] && is_shadowed_by_planes(b, point))
+            b->visibility[point->number] = 0;
+    }
 }
 
 static void start_group(const shb_exact_points *points, size_t first, shb_walk_group *group) {
@@ -278,29 +313,35 @@ static void start_group(const shb_exact_points *points, size_t first, shb_walk_g
 
 void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
                              const shb_receivers *receivers, float *visibility) {
-    const double rounding = points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING;
+    const batch b = {map, points, receivers,
+                     points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING, visibility};
     shb_walk_group group;
     open_points open;
+    left_points left_over;
     open.group.count = 0;
     open.group.own_ids = open.own_ids;
     for (int k = 0; k < 3; k++)
         open.group.world[k] = open.world[k];
+    left_over.crowd.count = left_over.doubtful_count = 0;
+    memset(left_over.crowd.are_shadowed, 0, sizeof left_over.crowd.are_shadowed);
+    memset(left_over.crowd.are_known, 0, sizeof left_over.crowd.are_known);
     for (size_t i = 0; i < points->count; i++)
         visibility[i] = 1;
     if (map->occluders.plane_count == 0) /* the kernels read a triangle in any case */
         return;
     for (size_t first = 0; first < points->count; first += SHB_LIST_GROUP) {
         start_group(points, first, &group);
-        map->context->shade_kernels->nearest(map, rounding, &group);
+        map->context->shade_kernels->nearest(map, b.rounding, &group);
         const uint64_t all = all_of(&group);
         for (uint64_t left = group.in_front & all; left; left &= left - 1)
             visibility[first + (size_t)__builtin_ctzll(left)] = 0;
         for (uint64_t left = all & ~group.in_front & ~group.joined; left; left &= left - 1) {
             const size_t i = (size_t)__builtin_ctzll(left);
             if (open.group.count == SHB_LIST_GROUP)
-                ask_open(map, rounding, receivers, &open, visibility);
+                ask_open(&b, &open, &left_over);
             take_point(&group, i, first + i, open.group.count++, &open);
         }
     }
-    ask_open(map, rounding, receivers, &open, visibility);
+    ask_open(&b, &open, &left_over);
+    ask_left(&b, &left_over);
 }

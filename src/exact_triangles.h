@@ -23,6 +23,24 @@ typedef struct shb_walk_group {
     uint64_t in_front, own, behind, joined;
 } shb_walk_group;
 
+/* Triangles of a walk, and how far it goes beyond both places, texels. */
+#define SHB_WALK_MAX 256
+#define SHB_WALK_REACH 2.0
+
+#define SHB_WALK_CROWD 256
+
+/* Walks of a batch's points that are to go on where ways have ended. */
+typedef struct shb_walk_crowd {
+    size_t count;
+    double from_x[SHB_WALK_CROWD], from_y[SHB_WALK_CROWD]; /* where the ways began, texels */
+    double to_x[SHB_WALK_CROWD], to_y[SHB_WALK_CROWD];     /* where the points are */
+    uint32_t triangles[SHB_WALK_CROWD]; /* where the ways have ended, at or near the line */
+    uint32_t points[SHB_WALK_CROWD];    /* in the batch */
+    /* By point: a triangle in front of it was met; one that can be compared was met, or a walk
+     * ended without being cut. */
+    bool are_shadowed[SHB_BATCH], are_known[SHB_BATCH];
+} shb_walk_crowd;
+
 /* More than the sum of a point and a plane is off by for the rounding of the sum itself, as part of
  * what is summed up. */
 #define SHB_PLANE_ROUNDING 0x1p-50

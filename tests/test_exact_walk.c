@@ -2,10 +2,10 @@
  * are as wide as the view in y, under a light above them. Segment i of a ribbon is the triangles
  * 2 i, which has its first point at y = -0.9, and 2 i + 1. */
 #include "../src/exact_sheet.h"
-#include "../src/exact_walk.h"
 #include "contexts.h"
 #include "probe.h"
 #include "random.h"
+#include "slow_walk.h"
 #include "soup.h"
 #include "test.h"
 
@@ -77,18 +77,18 @@ static line line_of(double from_x, double to_x, double y) {
     return (line){{(from_x + 1) * SIZE / 2, row}, {(to_x + 1) * SIZE / 2, row}};
 }
 
-static shb_walk walk_of(const ribbon *r, int segment, double from_x, double to_x, double y) {
+static slow_walk walk_of(const ribbon *r, int segment, double from_x, double to_x, double y) {
     const line l = line_of(from_x, to_x, y);
-    shb_walk walk;
-    shb_walk_begin(&r->map->occluders.mesh, triangle_at(r, segment, from_x, y), l.from, l.to,
-                   &walk);
+    slow_walk walk;
+    slow_walk_begin(&r->map->occluders.mesh, triangle_at(r, segment, from_x, y), l.from, l.to,
+                    &walk);
     return walk;
 }
 
 /* The first triangle that a walk meets, its own first one included. */
-static uint32_t first_of(shb_walk *walk) {
+static uint32_t first_of(slow_walk *walk) {
     const bool covers = shb_edges_before(&walk->mesh->triangles[walk->first], walk->to) == 0;
-    return covers ? walk->first : shb_walk_next(walk);
+    return covers ? walk->first : slow_walk_next(walk);
 }
 
 /* The end of the way over the sheet. */
@@ -113,7 +113,7 @@ TEST(walks_arrive_at_the_triangle_that_covers_the_place) {
             const int first = (int)((from + 0.8) / 0.16), last = (int)((to + 0.8) / 0.16);
             const uint32_t expected = triangle_at(&r, last, to, y);
             CHECK_INT(straight(&r, first, from, to, y), expected);
-            shb_walk walk = walk_of(&r, first, from, to, y);
+            slow_walk walk = walk_of(&r, first, from, to, y);
             CHECK_INT(first_of(&walk), expected);
         }
         ribbon_free(&r);
@@ -125,9 +125,9 @@ static const profile_point folded[] = {{-0.6f, 0.5f}, {0.5f, 0.6f}, {-0.6f, 0.2f
 
 TEST(walks_go_on_below_a_fold) {
     ribbon r = ribbon_of(3, folded, 0);
-    shb_walk walk = walk_of(&r, 0, 0.3, 0.45, 0.1);
+    slow_walk walk = walk_of(&r, 0, 0.3, 0.45, 0.1);
     CHECK_INT(first_of(&walk), triangle_at(&r, 0, 0.45, 0.1));
-    CHECK_INT(shb_walk_next(&walk), triangle_at(&r, 1, 0.45, 0.1));
+    CHECK_INT(slow_walk_next(&walk), triangle_at(&r, 1, 0.45, 0.1));
     ribbon_free(&r);
 }
 
@@ -137,8 +137,8 @@ TEST(a_sheet_ends_where_it_turns_round) {
     for (uint32_t windings = 0; windings < 4; windings++) {
         ribbon r = ribbon_of(3, folded, windings);
         CHECK_INT(straight(&r, 0, 0.3, 0.7, 0.1), SHB_ID_NONE);
-        shb_walk walk = walk_of(&r, 0, 0.3, 0.7, 0.1);
-        CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+        slow_walk walk = walk_of(&r, 0, 0.3, 0.7, 0.1);
+        CHECK_INT(slow_walk_next(&walk), SHB_ID_NONE);
         CHECK(!walk.cut);
         ribbon_free(&r);
     }
@@ -150,8 +150,8 @@ TEST(walks_go_on_over_two_folds) {
     for (uint32_t windings = 0; windings < 8; windings++) {
         ribbon r = ribbon_of(4, points, windings);
         CHECK_INT(straight(&r, 0, 0.4, 0.55, 0.2), SHB_ID_NONE);
-        shb_walk walk = walk_of(&r, 0, 0.4, 0.55, 0.2);
-        CHECK_INT(shb_walk_next(&walk), triangle_at(&r, 2, 0.55, 0.2));
+        slow_walk walk = walk_of(&r, 0, 0.4, 0.55, 0.2);
+        CHECK_INT(slow_walk_next(&walk), triangle_at(&r, 2, 0.55, 0.2));
         ribbon_free(&r);
     }
 }
@@ -162,8 +162,8 @@ TEST(walks_pass_what_is_seen_edge_on) {
     static const profile_point points[] = {
         {-0.6f, 0.6f}, {0.125f, 0.6f}, {0.125f, 0.3f}, {0.9f, 0.3f}};
     ribbon r = ribbon_of(4, points, 0);
-    shb_walk walk = walk_of(&r, 0, 0.05, 0.2, 0.3);
-    CHECK_INT(shb_walk_next(&walk), triangle_at(&r, 2, 0.2, 0.3));
+    slow_walk walk = walk_of(&r, 0, 0.05, 0.2, 0.3);
+    CHECK_INT(slow_walk_next(&walk), triangle_at(&r, 2, 0.2, 0.3));
     CHECK_INT(straight(&r, 0, 0.05, 0.2, 0.3), SHB_ID_NONE);
     ribbon_free(&r);
 }
@@ -178,11 +178,11 @@ TEST(walks_come_round_once) {
     const line l = line_of(0.0625, 0.03, 0.0123);
     const shb_light_mesh *mesh = &r.map->occluders.mesh;
     for (uint32_t first = 0; first < 12; first++) {
-        shb_walk walk;
-        shb_walk_begin(mesh, first, l.from, l.to, &walk);
+        slow_walk walk;
+        slow_walk_begin(mesh, first, l.from, l.to, &walk);
         const bool covers = shb_edges_before(&mesh->triangles[first], l.to) == 0;
         int met = covers;
-        for (uint32_t id; (id = shb_walk_next(&walk)) != SHB_ID_NONE; met++)
+        for (uint32_t id; (id = slow_walk_next(&walk)) != SHB_ID_NONE; met++)
             CHECK_INT(shb_edges_before(&mesh->triangles[id], l.to), 0);
         CHECK(!walk.cut);
         CHECK(covers ? met == 2 : met <= 2);
@@ -193,10 +193,10 @@ TEST(walks_come_round_once) {
 TEST(walks_are_cut_at_borders) {
     static const profile_point points[] = {{-0.6f, 0.6f}, {0.1f, 0.6f}, {0.5f, 0.5f}};
     ribbon r = ribbon_of(3, points, 0);
-    shb_walk walk = walk_of(&r, 0, 0, 0.7, 0.3);
-    CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+    slow_walk walk = walk_of(&r, 0, 0, 0.7, 0.3);
+    CHECK_INT(slow_walk_next(&walk), SHB_ID_NONE);
     CHECK(walk.cut);
-    CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+    CHECK_INT(slow_walk_next(&walk), SHB_ID_NONE);
     ribbon_free(&r);
 }
 
@@ -214,10 +214,11 @@ TEST(walks_are_cut_where_they_get_too_long) {
     for (int too_long = 0; too_long < 2; too_long++) {
         const int segment = too_long ? last : last - 1;
         const double to = start + width * (segment + (too_long ? 0.25 : 0.75));
-        shb_walk walk = walk_of(&r, 0, start + 0.25 * width, to, 0.1);
-        CHECK_INT(shb_walk_next(&walk), too_long ? SHB_ID_NONE : triangle_at(&r, segment, to, 0.1));
+        slow_walk walk = walk_of(&r, 0, start + 0.25 * width, to, 0.1);
+        CHECK_INT(slow_walk_next(&walk),
+                  too_long ? SHB_ID_NONE : triangle_at(&r, segment, to, 0.1));
         CHECK(!too_long || walk.cut);
-        CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+        CHECK_INT(slow_walk_next(&walk), SHB_ID_NONE);
     }
     ribbon_free(&r);
 }
@@ -233,8 +234,8 @@ TEST(walks_are_cut_at_the_near_plane) {
         for (int segment = 0; segment < 2; segment++) {
             const double from = segment ? 0.2 : 0;
             CHECK_INT(straight(&r, segment, from, 0.3, 0.1), SHB_ID_NONE);
-            shb_walk walk = walk_of(&r, segment, from, 0.3, 0.1);
-            CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+            slow_walk walk = walk_of(&r, segment, from, 0.3, 0.1);
+            CHECK_INT(slow_walk_next(&walk), SHB_ID_NONE);
             CHECK(walk.cut);
         }
         ribbon_free(&r);
@@ -251,12 +252,12 @@ TEST(walks_follow_folds_as_far_as_their_reach) {
         const float forth = is_forth_near ? -0.1875f : -0.3125f;
         const profile_point points[] = {{-0.9f, 0.6f}, {back, 0.5f}, {forth, 0.3f}, {0.9f, 0.2f}};
         ribbon r = ribbon_of(4, points, 0);
-        shb_walk walk = walk_of(&r, 0, from, to, 0.1);
+        slow_walk walk = walk_of(&r, 0, from, to, 0.1);
         if (is_back_near)
-            CHECK_INT(shb_walk_next(&walk), triangle_at(&r, 1, to, 0.1));
+            CHECK_INT(slow_walk_next(&walk), triangle_at(&r, 1, to, 0.1));
         if (is_back_near && is_forth_near)
-            CHECK_INT(shb_walk_next(&walk), triangle_at(&r, 2, to, 0.1));
-        CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+            CHECK_INT(slow_walk_next(&walk), triangle_at(&r, 2, to, 0.1));
+        CHECK_INT(slow_walk_next(&walk), SHB_ID_NONE);
         CHECK(!walk.cut || (is_back_near && is_forth_near));
         ribbon_free(&r);
     }
@@ -269,8 +270,8 @@ TEST(walks_are_cut_where_three_triangles_meet) {
     add_segment(&r.s, r.points[1], r.points[2], false);
     add_segment(&r.s, r.points[1], r.points[3], false);
     draw(&r);
-    shb_walk walk = walk_of(&r, 0, 0, 0.3, 0.3);
-    CHECK_INT(shb_walk_next(&walk), SHB_ID_NONE);
+    slow_walk walk = walk_of(&r, 0, 0, 0.3, 0.3);
+    CHECK_INT(slow_walk_next(&walk), SHB_ID_NONE);
     CHECK(walk.cut);
     ribbon_free(&r);
 }

@@ -2,14 +2,19 @@
  * whole walks say, made one after the other and compared by the bounds of light_point.h: whatever
  * is settled without them, in vectors of any width. */
 #include "../src/exact_sheet.h"
-#include "../src/exact_walk.h"
+#include "../src/kernels/shade.h"
 #include "../src/light_point.h"
 #include "../src/occluders.h"
+#include "contexts.h"
 #include "isas.h"
 #include "probe.h"
 #include "random.h"
+#include "slow_walk.h"
 #include "soup.h"
 #include "test.h"
+
+#include <math.h>
+#include <string.h>
 
 enum { POINTS = 3000 };
 
@@ -45,10 +50,10 @@ static told ask_sample(const shb_map *map, const shb_light_point *at, uint32_t s
         t.is_in_front = hit == ALONE_IN_FRONT;
         t.is_uncertain = hit == ALONE_UNSURE;
     }
-    shb_walk walk;
-    shb_walk_begin(mesh, sample, from, to, &walk);
+    slow_walk walk;
+    slow_walk_begin(mesh, sample, from, to, &walk);
     int count = 0;
-    for (uint32_t met; (met = shb_walk_next(&walk)) != SHB_ID_NONE; count++) {
+    for (uint32_t met; (met = slow_walk_next(&walk)) != SHB_ID_NONE; count++) {
         const alone_hit hit = compare(map, at, met);
         t.walk_is_in_front |= hit == ALONE_IN_FRONT;
         t.is_uncertain |= hit == ALONE_UNSURE;
@@ -158,5 +163,118 @@ TEST(whole_walks_say_what_is_settled_without_them) {
                 check_light(isa, &views[k], sizes[i], &lit, &dark);
         }
         test_check(lit > 2000 && dark > 2000, __FILE__, __LINE__, "%d lit, %d dark", lit, dark);
+    }
+}
+
+/* Where a triangle's plane lies for a point in the world, unless rounding might tell it otherwise.
+ */
+static alone_hit compare_world(const shb_map *map, const double p[3], uint32_t triangle) {
+    const shb_world_plane *plane = &map->occluders.world_planes[triangle];
+    double behind = plane->offset, error = 1;
+    for (int k = 0; k < 3; k++) {
+        behind += plane->normal[k] * p[k];
+        error += SHB_FLOAT_ROUNDING * fabs(plane->normal[k] * p[k]);
+    }
+    if (!(error < HUGE_VAL) || fabs(fabs(behind) - error) < 1e-3 * error)
+        return ALONE_UNSURE;
+    return behind > error ? ALONE_IN_FRONT : behind < -error ? ALONE_BEHIND : ALONE_OWN;
+}
+
+/* What the walks of a crowd find for their points. */
+typedef struct crowd_finds {
+    bool are_shadowed[SHB_BATCH], are_known[SHB_BATCH], are_uncertain[SHB_BATCH];
+} crowd_finds;
+
+static void walk_alone(const shb_map *map, const shb_exact_points *points,
+                       const shb_walk_crowd *crowd, crowd_finds *found) {
+    for (size_t i = 0; i < crowd->count; i++) {
+        const double from[2] = {crowd->from_x[i], crowd->from_y[i]};
+        const double to[2] = {crowd->to_x[i], crowd->to_y[i]};
+        const uint32_t n = crowd->points[i];
+        const double world[3] = {points->x[n], points->y[n], points->z[n]};
+        slow_walk walk;
+        slow_walk_begin(&map->occluders.mesh, crowd->triangles[i], from, to, &walk);
+        for (uint32_t met; (met = slow_walk_next(&walk)) != SHB_ID_NONE;) {
+            const alone_hit hit =
+                met == points->own_ids[n] ? ALONE_OWN : compare_world(map, world, met);
+            found->are_shadowed[n] |= hit == ALONE_IN_FRONT;
+            found->are_uncertain[n] |= hit == ALONE_UNSURE;
+            found->are_known[n] = true;
+        }
+        found->are_known[n] |= !walk.cut;
+    }
+}
+
+/* Places are anywhere, some on a corner or on each other; triangles are any, whether the line
+ * crosses them or not. */
+static void place_crowd(const shb_map *map, test_random *random, shb_exact_points *points,
+                        shb_walk_crowd *crowd) {
+    const uint32_t triangles = (uint32_t)map->occluders.plane_count;
+    const shb_walk_triangle *mesh = map->occluders.mesh.triangles;
+    points->count = SHB_BATCH;
+    for (size_t i = 0; i < SHB_BATCH; i++) {
+        points->x[i] = random_double(random, -1, 1);
+        points->y[i] = random_double(random, -1, 1);
+        points->z[i] = random_double(random, -1, 1);
+        points->own_ids[i] =
+            random_below(random, 4) ? SHB_ID_NONE : random_below(random, triangles);
+    }
+    crowd->count = 1 + random_below(random, SHB_WALK_CROWD);
+    for (size_t i = 0; i < crowd->count; i++) {
+        const uint32_t triangle = random_below(random, triangles);
+        const shb_walk_triangle *t = &mesh[random_below(random, 2) ? triangle : 0];
+        const double step = random_below(random, 2) ? 1 : 40;
+        crowd->triangles[i] = triangle;
+        crowd->points[i] = random_below(random, SHB_BATCH);
+        crowd->to_x[i] = t->x[0] + (random_below(random, 8) ? random_double(random, -1, 1) : 0);
+        crowd->to_y[i] = t->y[0] + (random_below(random, 8) ? random_double(random, -1, 1) : 0);
+        crowd->from_x[i] = crowd->to_x[i] + step * random_double(random, -1, 1);
+        crowd->from_y[i] = crowd->to_y[i] + step * random_double(random, -1, 1);
+        if (random_below(random, 16) == 0) {
+            crowd->from_x[i] = crowd->to_x[i];
+            crowd->from_y[i] = crowd->to_y[i];
+        }
+    }
+}
+
+static void check_crowd(shb_isa isa, const shb_map *map, test_random *random, int counts[2]) {
+    static shb_exact_points points;
+    static shb_walk_crowd crowd;
+    crowd_finds alone = {{false}, {false}, {false}};
+    memset(&crowd, 0, sizeof crowd);
+    place_crowd(map, random, &points, &crowd);
+    walk_alone(map, &points, &crowd, &alone);
+    shb_shade_kernels_of(isa)->walk(map, SHB_FLOAT_ROUNDING, &points, &crowd);
+    CHECK_INT(crowd.count, 0);
+    for (int i = 0; i < SHB_BATCH; i++) {
+        CHECK_INT(crowd.are_known[i], alone.are_known[i]);
+        if (!alone.are_uncertain[i])
+            CHECK_INT(crowd.are_shadowed[i], alone.are_shadowed[i]);
+        counts[0] += alone.are_known[i];
+        counts[1] += alone.are_shadowed[i];
+    }
+}
+
+TEST(walks_side_by_side_meet_what_each_meets_alone) {
+    const shb_view views[] = {probe_orthographic(false), probe_perspective(true)};
+    for (int v = 0; v < 2; v++) {
+        test_random random = {5};
+        soup s = {0};
+        shb_map *map;
+        shb_context *context = test_context(0, SHB_ISA_BEST);
+        const shb_map_desc desc = {
+            .view = views[v], .width = 64, .occluders = SHB_OCCLUDERS_TRIANGLES};
+        int counts[2] = {0, 0};
+        build(&s, &random);
+        CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+        CHECK_INT(shb_map_draw(map, soup_scene(&s), NULL, NULL), SHB_OK);
+        for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa))
+            for (int i = 0; i < 200; i++)
+                check_crowd(isa, map, &random, counts);
+        test_check(counts[0] > 20000 && counts[1] > 2000, __FILE__, __LINE__, "%d met, %d shadowed",
+                   counts[0], counts[1]);
+        shb_map_destroy(map);
+        shb_context_destroy(context);
+        soup_free(&s);
     }
 }

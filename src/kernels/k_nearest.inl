@@ -141,10 +141,12 @@ typedef struct side_bits {
 
 /* As compare_depth of the asking of single points. */
 static inline ALWAYS_INLINE side_bits find_sides(const shb_map *map, double rounding,
-                                                 const shb_walk_group *g, const uint32_t *readable,
-                                                 uint64_t wanted) {
-    const wd unit = wd_splat(rounding + SHB_PLANE_ROUNDING), one = wd_splat(1.0);
+                                                 const double *const world[3],
+                                                 const uint32_t *readable, uint64_t wanted) {
+    const wd unit = wd_splat(rounding + SHB_PLANE_ROUNDING);
+    const wd zero = wd_splat(0.0), one = wd_splat(1.0);
     side_bits bits = {0, 0, 0};
+    uint64_t known = 0; /* no NaN */
     for (size_t i = 0; i < SHB_LIST_GROUP; i += DOUBLES) {
         if (!wants_some(wanted, i, DOUBLES))
             continue;
@@ -154,16 +156,16 @@ static inline ALWAYS_INLINE side_bits find_sides(const shb_map *map, double roun
             planes[k] = map->occluders.world_planes[readable[i + k]].normal;
         wd_read_quads(planes, plane);
         for (int k = 0; k < 3; k++)
-            plane[k] *= wd_load(g->world[k] + i);
+            plane[k] *= wd_load(world[k] + i);
         const wd distance = ((plane[0] + plane[1]) + plane[2]) + plane[3];
         const wd error = unit * ((wd_abs(plane[0]) + wd_abs(plane[1])) + wd_abs(plane[2])) + one;
         bits.in_front |= bits_at(wd_greater_bits(distance, error), i);
-        bits.own |= bits_at(wd_greater_bits(error, wd_abs(distance)), i);
+        known |= bits_at(wd_greater_bits(wd_where_equal(distance, distance, one, zero), zero), i);
         bits.behind |= bits_at(wd_greater_bits(-error, distance), i);
     }
     bits.in_front &= wanted;
-    bits.own &= wanted;
     bits.behind &= wanted;
+    bits.own = wanted & known & ~bits.in_front & ~bits.behind;
     return bits;
 }
 
@@ -289,7 +291,7 @@ static inline ALWAYS_INLINE void ask_nearest_as(const shb_map *map, bool affine,
     are.held &= seen;
     const uint64_t equal = equal_bits(g);
     uint64_t lit = ~seen | (equal & are.own);
-    const side_bits sides = find_sides(map, rounding, g, readable, are.held & ~lit);
+    const side_bits sides = find_sides(map, rounding, g->world, readable, are.held & ~lit);
     lit |= equal & sides.own;
     g->in_front = 0;
     g->joined = lit;
@@ -394,7 +396,7 @@ static void ask_beside(const shb_map *map, double rounding, shb_walk_group *g) {
     step_over(map, g, 0, readable, all, g->ends[0]);
     const id_bits are = look_at_ids(g, g->ends[0], readable);
     read_links(map, readable, all, &links);
-    const side_bits sides = find_sides(map, rounding, g, readable, all);
+    const side_bits sides = find_sides(map, rounding, g->world, readable, all);
     const uint64_t covered = covered_bits(map, g, readable, are.held & all) & links.whole;
     g->in_front = covered & sides.in_front & ~are.own;
     g->behind = covered & sides.behind & ~are.own;

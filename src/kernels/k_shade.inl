@@ -34,6 +34,8 @@
 
 #include "k_nearest.inl"
 
+#include "k_walks.inl"
+
 #include "k_occluders.inl"
 
 #include "k_filter.inl"
@@ -67,6 +69,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .planes = ask_planes,
     .nearest = ask_nearest,
     .beside = ask_beside,
+    .walk = walk_on,
     .quick = WIDE > 1 ? test_quickly : NULL,
     .find_planes = find_planes,
     .find_world_planes = find_world_planes,

@@ -41,6 +41,10 @@ typedef struct shb_shade_kernels {
     /* Goes one triangle on from the samples of a group, and finds what is met there. */
     void (*beside)(const shb_map *map, double rounding, shb_walk_group *group);
 
+    /* Makes the walks of a crowd as far as they go; it is empty then. */
+    void (*walk)(const shb_map *map, double rounding, const shb_exact_points *points,
+                 shb_walk_crowd *crowd);
+
     /* The hard test after projection and bias where float is sure of it: writes the visibility of
      * all fragments, and the numbers of those whose is not to be trusted; returns how many these
      * are, SIZE_MAX if it is not made for the map or sees nothing to be sure of. NULL: none. */

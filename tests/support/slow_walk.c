@@ -1,12 +1,10 @@
-#include "strict.h"
+#include "slow_walk.h"
 
-#include "exact_walk.h"
-
-#include "exact_sheet.h"
+#include "../../src/exact_sheet.h"
 
 #include <math.h>
 
-static void set_way(shb_walk *walk, double from_x, double from_y) {
+static void set_way(slow_walk *walk, double from_x, double from_y) {
     const double x = walk->to[0] - from_x, y = walk->to[1] - from_y;
     const double squared = x * x + y * y, reach = SHB_WALK_REACH * sqrt(squared);
     walk->way[0] = x;
@@ -15,12 +13,12 @@ static void set_way(shb_walk *walk, double from_x, double from_y) {
     walk->farthest = reach;
 }
 
-static double across_at(const shb_walk *walk, const shb_walk_triangle *t, uint32_t corner) {
+static double across_at(const slow_walk *walk, const shb_walk_triangle *t, uint32_t corner) {
     return walk->way[0] * (t->y[corner] - walk->to[1]) -
            walk->way[1] * (t->x[corner] - walk->to[0]);
 }
 
-static double along_at(const shb_walk *walk, const shb_walk_triangle *t, uint32_t corner) {
+static double along_at(const slow_walk *walk, const shb_walk_triangle *t, uint32_t corner) {
     return walk->way[0] * (t->x[corner] - walk->to[0]) +
            walk->way[1] * (t->y[corner] - walk->to[1]);
 }
@@ -28,7 +26,7 @@ static double along_at(const shb_walk *walk, const shb_walk_triangle *t, uint32_
 /* Of the two edges of the first triangle that the line crosses, which meet in the corner that lies
  * alone on its side, the one that is crossed farther ahead; or the other one if to lies before
  * both. False: it crosses none. */
-static bool choose_exit(shb_walk *walk) {
+static bool choose_exit(slow_walk *walk) {
     static const uint8_t alone_of[8] = {3, 0, 1, 2, 2, 1, 0, 3};
     const shb_walk_triangle *triangle = &walk->mesh->triangles[walk->first];
     double across[3], along[3];
@@ -63,14 +61,14 @@ static bool choose_exit(shb_walk *walk) {
     return true;
 }
 
-static uint32_t stop(shb_walk *walk, bool cut) {
+static uint32_t stop(slow_walk *walk, bool cut) {
     walk->first = SHB_ID_NONE;
     walk->cut = cut;
     return SHB_ID_NONE;
 }
 
 /* Where snapping covered a sample just outside the triangle, its middle is a better start. */
-static void enter(shb_walk *walk) {
+static void enter(slow_walk *walk) {
     const shb_walk_triangle *t = &walk->mesh->triangles[walk->first];
     const uint32_t whole = 7 * SHB_CORNER_SEEN;
     bool goes = (t->marks & whole) == whole;
@@ -82,8 +80,8 @@ static void enter(shb_walk *walk) {
         stop(walk, true);
 }
 
-void shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
-                    const double to[2], shb_walk *walk) {
+void slow_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double from[2],
+                     const double to[2], slow_walk *walk) {
     walk->mesh = mesh;
     walk->to[0] = to[0];
     walk->to[1] = to[1];
@@ -96,7 +94,7 @@ void shb_walk_begin(const shb_light_mesh *mesh, uint32_t triangle, const double 
 /* Over the exit to the next triangle, whose own exit is found: its third corner takes the place of
  * the exit's end on the same side of the line. The walk is over where it has come round, or gone
  * too far from both places for what it meets to come back to them. */
-uint32_t shb_walk_next(shb_walk *walk) {
+uint32_t slow_walk_next(slow_walk *walk) {
     if (walk->first == SHB_ID_NONE)
         return SHB_ID_NONE;
     uint32_t beyond = walk->beyond, lower = walk->lower, id;
