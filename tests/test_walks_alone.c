@@ -237,6 +237,13 @@ static void place_crowd(const shb_map *map, test_random *random, shb_exact_point
     }
 }
 
+/* What kernels find on the stack where they have not written. */
+static __attribute__((noinline)) void leave_garbage(void) {
+    volatile unsigned char garbage[1 << 15];
+    for (size_t i = 0; i < sizeof garbage; i++)
+        garbage[i] = 0x55;
+}
+
 static void check_crowd(shb_isa isa, const shb_map *map, test_random *random, int counts[2]) {
     static shb_exact_points points;
     static shb_walk_crowd crowd;
@@ -244,6 +251,7 @@ static void check_crowd(shb_isa isa, const shb_map *map, test_random *random, in
     memset(&crowd, 0, sizeof crowd);
     place_crowd(map, random, &points, &crowd);
     walk_alone(map, &points, &crowd, &alone);
+    leave_garbage();
     shb_shade_kernels_of(isa)->walk(map, SHB_FLOAT_ROUNDING, &points, &crowd);
     CHECK_INT(crowd.count, 0);
     for (int i = 0; i < SHB_BATCH; i++) {

@@ -97,6 +97,11 @@ static inline ALWAYS_INLINE exit_lanes choose_exits(const wd to_x[3], const wd t
     return e;
 }
 
+/* Walks that vectors of WIDE read. */
+static inline ALWAYS_INLINE size_t whole_vectors(const walking *w) {
+    return (w->count + WIDE - 1) / WIDE * WIDE;
+}
+
 /* Begins walks from number start on. Where snapping covered a sample just outside the triangle, its
  * middle is a better start. Returns bits of those that go on. */
 static inline ALWAYS_INLINE uint64_t begin_walking(const shb_map *map, size_t start, walking *w) {
@@ -105,7 +110,7 @@ static inline ALWAYS_INLINE uint64_t begin_walking(const shb_map *map, size_t st
     const shb_walk_triangle *triangles = map->occluders.mesh.triangles;
     int32_t edges[WALKING_ROOM];
     uint64_t going = 0;
-    for (size_t i = start; i < w->count; i += DOUBLES) {
+    for (size_t i = start; i < whole_vectors(w); i += DOUBLES) {
         const double *corners_x[DOUBLES], *last_y[DOUBLES];
         wd first[4], last[4], to_x[3], to_y[3];
         const wd x = wd_load(w->to_x + i), y = wd_load(w->to_y + i);
@@ -223,7 +228,7 @@ static inline ALWAYS_INLINE step_bits step_walking(const shb_map *map, uint64_t 
                                                    uint32_t step, walking *w, uint32_t *ids) {
     const wd zero = wd_splat(0.0), one = wd_splat(1.0);
     const shb_walk_triangle *triangles = map->occluders.mesh.triangles;
-    const size_t count = w->count, whole = (count + WIDE - 1) / WIDE * WIDE;
+    const size_t count = w->count, whole = whole_vectors(w);
     SHB_ALIGN uint32_t third[WALKING_ROOM], quads[WALKING_ROOM][4];
     SHB_ALIGN double x[WALKING_ROOM], y[WALKING_ROOM];
     SHB_ALIGN int32_t sides[WALKING_ROOM];
@@ -243,7 +248,7 @@ static inline ALWAYS_INLINE step_bits step_walking(const shb_map *map, uint64_t 
         y[i] = t->y[third[i]];
         memcpy(quads[i], t->beyond, sizeof quads[i]);
     }
-    for (size_t i = 0; i < count; i += DOUBLES) {
+    for (size_t i = 0; i < whole; i += DOUBLES) {
         const wd way_x = wd_load(w->way_x + i), way_y = wd_load(w->way_y + i);
         const wd to_x = wd_load(x + i) - wd_load(w->to_x + i);
         const wd to_y = wd_load(y + i) - wd_load(w->to_y + i);
