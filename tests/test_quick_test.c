@@ -4,6 +4,7 @@
 
 #include "contexts.h"
 #include "isas.h"
+#include "odd_views.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
 #include "test.h"
@@ -77,23 +78,8 @@ static void place_points(quick_case *c, shb_vec3 center, double scale, test_rand
 enum { VIEWS = 5 };
 
 /* Parallel light ends at its far plane amid the points. */
-static shb_result make_view(int kind, shb_vec3 center, double s, shb_view *view) {
-    const shb_vec3 above = {center.x, center.y + 4 * s, center.z};
-    const shb_vec3 aside = {center.x + 3 * s, center.y + 2 * s, center.z + s};
-    const shb_vec3 north = {0, 0, -1}, up = {0, 1, 0};
-    switch (kind) {
-    case 0:
-        return shb_view_orthographic(above, center, north, s, s, s, 4 * s, false, view);
-    case 1:
-        return shb_view_orthographic(aside, center, up, 1.5 * s, s, s, 4 * s, true, view);
-    case 2:
-        return shb_view_perspective(above, center, north, 0.5, 1, s, 9 * s, false, view);
-    case 3:
-        return shb_view_perspective(aside, center, up, 0.8, 1, 0.01 * s, HUGE_VAL, true, view);
-    default: /* some points lie behind it */
-        return shb_view_perspective((shb_vec3){center.x, center.y + s / 2, center.z}, center, north,
-                                    2, 1, 0.1 * s, 9 * s, false, view);
-    }
+static shb_result make_view(int kind, shb_vec3 center, double scale, shb_view *view) {
+    return odd_view(kind, center, scale, 4 * scale, view);
 }
 
 enum { BIASES = 9 };
