@@ -4,6 +4,7 @@
 
 #include "format.h"
 #include "half.h"
+#include "padded_rows.h"
 #include "scratch.h"
 
 #include <string.h>
@@ -103,8 +104,7 @@ void shb_layers_draw(const shb_layers *layers, const shb_target *target,
 
 shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc, size_t count,
                                size_t columns, size_t rows) {
-    /* Rows a power of two apart would take each other's place in caches. */
-    const size_t pitch = (columns + 15) / 16 * 16 + 16;
+    const size_t pitch = shb_padded_stride(columns, sizeof(float)) / sizeof(float);
     const bool has_second = desc->second.texels != NULL, has_ids = desc->ids != NULL;
     const size_t texels = pitch * rows, lane_texels = texels * (1u + has_second + has_ids);
     shb_buffer *scratch = context->draw_scratch;

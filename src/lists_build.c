@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "lists_tile.h"
+#include "padded_rows.h"
 
 typedef struct build {
     shb_context *context;
@@ -86,7 +87,7 @@ static bool reserve_sheets(build *b) {
         return true;
     sheets->width = lists->width;
     sheets->height = lists->height;
-    sheets->stride = ((size_t)lists->width + 15) / 16 * 16 + 16;
+    sheets->stride = shb_padded_stride(lists->width, sizeof(float)) / sizeof(float);
     sheets->bounds =
         reserve(b, SHB_LIST_BOUNDS, lists->height, sheets->stride * sizeof *sheets->bounds);
     return sheets->bounds != NULL;

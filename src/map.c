@@ -5,18 +5,13 @@
 #include "format.h"
 #include "lists.h"
 #include "occluders.h"
+#include "padded_rows.h"
 #include "prepare.h"
 #include "project.h"
 #include "vector.h"
 
 #include <float.h>
 #include <string.h>
-
-/* Rows of a map start on cache lines, and one line of padding keeps the rows of a power-of-two map
- * from competing for the same cache sets. */
-static size_t padded_stride(uint32_t width, size_t texel_size) {
-    return (width * texel_size + 63) / 64 * 64 + 64;
-}
 
 static double length_of_diagonal(const shb_box *box) {
     return shb_vec3_length(shb_vec3_subtract(box->hi, box->lo));
@@ -132,7 +127,7 @@ shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_ma
     made->owned = true;
     made->empty = true;
     made->measures = desc->scene_scale == 0;
-    made->depth.stride = padded_stride(made->info.width, shb_format_size(desc->format));
+    made->depth.stride = shb_padded_stride(made->info.width, shb_format_size(desc->format));
     made->info.memory_bytes = shb_map_depth_bytes(made);
     made->depth.texels = shb_alloc(context, made->info.height, made->depth.stride);
     made->marks = shb_alloc(context, shb_map_marks_size(made), 1);

@@ -14,11 +14,11 @@
 #include "lists.h"
 #include "occluder_planes.h"
 #include "occluders.h"
+#include "padded_rows.h"
 #include "prepare.h"
 #include "scene.h"
 
-/* Where the two layers are drawn before they are combined. Rows end on a cache line and one more,
- * as those of maps do. */
+/* Where the two layers are drawn before they are combined. */
 typedef struct layers {
     float *nearest;
     float *second;
@@ -27,7 +27,7 @@ typedef struct layers {
 
 static bool reserve_layers(const shb_map *map, layers *out) {
     shb_context *context = map->context;
-    const size_t stride = ((size_t)map->info.width * sizeof(float) + 63) / 64 * 64 + 64;
+    const size_t stride = shb_padded_stride(map->info.width, sizeof(float));
     if (!shb_buffer_reserve(context, &context->map_scratch[0], map->info.height, stride) ||
         !shb_buffer_reserve(context, &context->map_scratch[1], map->info.height, stride))
         return false;

@@ -4,6 +4,7 @@
 
 #include "light_point.h"
 #include "occluder_planes.h"
+#include "padded_rows.h"
 #include "prepare.h"
 
 #include <math.h>
@@ -42,7 +43,7 @@ bool shb_occluders_create(shb_map *map) {
     if (map->info.occluders == SHB_OCCLUDERS_NONE || map->info.occluders == SHB_OCCLUDERS_LISTS)
         return true;
     data->slope_unit = choose_slope_unit(map);
-    data->stride = ((size_t)map->info.width * sizeof(uint32_t) + 63) / 64 * 64 + 64;
+    data->stride = shb_padded_stride(map->info.width, sizeof *data->texels);
     data->texels = shb_alloc(map->context, map->info.height, data->stride);
     map->info.memory_bytes += data->stride * map->info.height;
     if (!data->texels)

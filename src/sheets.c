@@ -9,6 +9,7 @@
 
 #include "format.h"
 #include "kernels/sheets.h"
+#include "padded_rows.h"
 
 #include <math.h>
 #include <string.h>
@@ -134,9 +135,10 @@ static void make_tile(void *arg, size_t index) {
 }
 
 bool shb_sheets_create(const shb_map *map, shb_sheets *sheets) {
-    *sheets = (shb_sheets){.width = map->info.width,
-                           .height = map->info.height,
-                           .stride = ((size_t)map->info.width + 15) / 16 * 16 + 16};
+    *sheets =
+        (shb_sheets){.width = map->info.width,
+                     .height = map->info.height,
+                     .stride = shb_padded_stride(map->info.width, sizeof(float)) / sizeof(float)};
     sheets->bounds =
         shb_alloc(map->context, sheets->height, sheets->stride * sizeof *sheets->bounds);
     return sheets->bounds != NULL;
