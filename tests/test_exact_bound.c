@@ -19,12 +19,6 @@ typedef struct bound_light {
     shb_vec3 center;
 } bound_light;
 
-static shb_vec3 random_direction(test_random *random) {
-    const shb_vec3 v = {random_double(random, -1, 1), random_double(random, -1, 1),
-                        random_double(random, -1, 1)};
-    return shb_vec3_normalize(v);
-}
-
 /* Around a scene of size 2 at this distance from the origin; kind 0 is orthographic, 1 a spot, 2 a
  * spot with reversed depth. */
 static void open_light(bound_light *light, test_random *random, int kind, double offset,

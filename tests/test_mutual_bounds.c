@@ -30,12 +30,6 @@ typedef struct tap_light {
     bool affine;
 } tap_light;
 
-static shb_vec3 random_direction(test_random *random) {
-    const shb_vec3 v = {random_double(random, -1, 1), random_double(random, -1, 1),
-                        random_double(random, -1, 1)};
-    return shb_vec3_normalize(v);
-}
-
 /* A light that looks at a scene of size 2 so far from the origin; kind 0 is orthographic, 1 a spot,
  * 2 a spot with reversed depth. */
 static tap_light open_light(test_random *random, int kind, double offset, shb_occluders occluders) {

@@ -173,13 +173,18 @@ TEST(shade_lambert_called_by_a_host_writes_the_same) {
     shb_context_destroy(context);
 }
 
+/* Shading normals (0, 0.6, -0.8) at all corners. */
+static void tilt_normals(two_lights *t) {
+    for (int k = 0; k < 12; k++)
+        t->q.normals[k] = k % 3 == 1 ? 0.6f : k % 3 == 2 ? -0.8f : 0;
+    t->q.mesh.normals = t->q.normals;
+}
+
 TEST(shade_lambert_ambient_light_comes_from_above) {
-    /* Shading normals (0, 0.6, -0.8): 0.04 * 1.6 = 0.064; its root 0.25298 is 64.51 / 255. */
+    /* 0.04 * 1.6 = 0.064; its root 0.25298 is 64.51 / 255. */
     two_lights t;
     two_lights_init(&t);
-    for (int k = 0; k < 12; k++)
-        t.q.normals[k] = k % 3 == 1 ? 0.6f : k % 3 == 2 ? -0.8f : 0;
-    t.q.mesh.normals = t.q.normals;
+    tilt_normals(&t);
     t.desc.light_count = 0;
     CHECK_INT(shb_shade(t.context, &t.desc), SHB_OK);
     check_pixel(t.pixels, 65, 65, 65);
@@ -191,9 +196,7 @@ TEST(shade_lambert_ambient_light_comes_from_above) {
 TEST(shade_lambert_takes_the_cosine_for_every_colour) {
     two_lights t;
     two_lights_init(&t);
-    for (int k = 0; k < 12; k++)
-        t.q.normals[k] = k % 3 == 1 ? 0.6f : k % 3 == 2 ? -0.8f : 0;
-    t.q.mesh.normals = t.q.normals;
+    tilt_normals(&t);
     t.lights[0].color[2] = 0.25f;
     CHECK_INT(shb_shade(t.context, &t.desc), SHB_OK);
     check_pixel(t.pixels + 3 * 28, 144, 188, 131);

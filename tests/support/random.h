@@ -4,6 +4,8 @@
 
 #include <stdint.h>
 
+#include "shadowbias/math.h"
+
 typedef struct test_random {
     uint64_t state;
 } test_random;
@@ -25,6 +27,13 @@ static inline double random_double(test_random *random, double lo, double hi) {
 /* Uniform in 0 .. count - 1. */
 static inline uint32_t random_below(test_random *random, uint32_t count) {
     return (uint32_t)(((uint64_t)random_bits(random) * count) >> 32);
+}
+
+/* A unit vector; those to the corners of a cube are more frequent. */
+static inline shb_vec3 random_direction(test_random *random) {
+    const shb_vec3 v = {random_double(random, -1, 1), random_double(random, -1, 1),
+                        random_double(random, -1, 1)};
+    return shb_vec3_normalize(v);
 }
 
 #endif
