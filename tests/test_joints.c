@@ -1,8 +1,9 @@
 /* What is found of a map when it is asked: joints of texels. */
-#include "../src/context.h"
+#include "../src/map.h"
 
 #include "asked_map.h"
 #include "probe.h"
+#include "slow_taps.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -79,4 +80,55 @@ TEST(threads_that_ask_a_new_map_at_once_get_the_answers_of_one) {
     free(given);
     free(all);
     soup_free(&s);
+}
+
+/* Bits of a kind in the words of joints, and the two texels that it joins. */
+typedef struct joint_kind {
+    int bit, from_x, to_x, to_y;
+} joint_kind;
+
+static bool is_joined(const shb_joints *joints, int x, int y, int bit) {
+    const uint64_t word =
+        joints->words[(size_t)y * joints->pitch + SHB_JOINT_MARGIN + (size_t)(x / SHB_JOINT_WORD)];
+    return word >> (bit + x % SHB_JOINT_WORD) & 1;
+}
+
+TEST(joints_tell_in_each_direction_whether_the_planes_of_neighbours_meet) {
+    static const joint_kind kinds[] = {{0, 0, 1, 0}, {16, 0, 0, 1}, {32, 0, 1, 1}, {48, 1, 0, 1}};
+    const shb_filter box = shb_filter_pcf(7, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+    for (int reversed = 0; reversed < 2; reversed++) {
+        const shb_map_desc desc = {.view = probe_orthographic(reversed != 0),
+                                   .width = 150,
+                                   .height = 90,
+                                   .occluders = SHB_OCCLUDERS_PLANES};
+        soup s = {0};
+        asked_scene_add(&s);
+        asked_scene_add_relief(&s);
+        asked_points *given = malloc(sizeof *given);
+        asked_points_fill(&s, 11, given);
+        asked_map made = asked_map_draw(SHB_ISA_BEST, &desc, &s);
+        float seen[ASKED_POINTS];
+        asked_map_ask(&made, given, &box, seen);
+        const shb_joints *joints = &made.map->occluders.joints;
+        for (int k = 0; k < 4; k++) {
+            int counts[3] = {0}, wrong = 0;
+            for (int y = 0; y < 90; y++)
+                for (int x = 0; x < 150; x++) {
+                    if (!joints->found[(size_t)(y / SHB_JOINT_ROWS) * joints->columns +
+                                       (size_t)(x / SHB_JOINT_COLUMNS)])
+                        continue;
+                    const slow_joint expected = slow_joint_of(made.map, x + kinds[k].from_x, y,
+                                                              x + kinds[k].to_x, y + kinds[k].to_y);
+                    counts[expected]++;
+                    wrong += expected != SLOW_JOINT_UNSURE &&
+                             is_joined(joints, x, y, kinds[k].bit) != (expected == SLOW_JOINT_MEET);
+                }
+            CHECK_INT(wrong, 0);
+            CHECK(counts[SLOW_JOINT_APART] > 300 && counts[SLOW_JOINT_MEET] > 1000);
+            CHECK(counts[SLOW_JOINT_UNSURE] < 20);
+        }
+        asked_map_close(&made);
+        free(given);
+        soup_free(&s);
+    }
 }

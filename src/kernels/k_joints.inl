@@ -61,14 +61,27 @@ static inline ALWAYS_INLINE sheet_planes sheet_planes_at(const sheet_row *row, i
                           vf_load(row->error + i)};
 }
 
-/* A bit where the planes meet between the centres, not where one is NaN. rise_a: of a's plane from
- * its centre to b's. */
-static inline ALWAYS_INLINE uint64_t planes_meet(const sheet_planes *a, vf rise_a,
-                                                 const sheet_planes *b, vf rise_b) {
-    const vf b_behind = b->z - (a->z + rise_a), a_behind = a->z - (b->z - rise_b);
+/* What both planes rise along x, along y and, at most, along a diagonal: there slopes may cancel,
+ * but their errors do not. */
+static inline ALWAYS_INLINE vf rise_across(const sheet_planes *a, const sheet_planes *b) {
+    return vf_abs(a->slope_x) + vf_abs(b->slope_x);
+}
+
+static inline ALWAYS_INLINE vf rise_down(const sheet_planes *a, const sheet_planes *b) {
+    return vf_abs(a->slope_y) + vf_abs(b->slope_y);
+}
+
+static inline ALWAYS_INLINE vf rise_askew(const sheet_planes *a, const sheet_planes *b) {
+    return rise_across(a, b) + rise_down(a, b);
+}
+
+/* A bit where the planes meet between the centres, not where one is NaN. to_b: what a's plane rises
+ * from its centre to b's; by_b: what b's does; rise: what both do at most. */
+static inline ALWAYS_INLINE uint64_t planes_meet(const sheet_planes *a, vf to_b,
+                                                 const sheet_planes *b, vf by_b, vf rise) {
+    const vf b_behind = b->z - (a->z + to_b), a_behind = a->z - (b->z - by_b);
     const vf apart = vf_min(vf_max(a_behind, b_behind), -vf_min(a_behind, b_behind));
-    return vi_bits(apart <=
-                   SHEET_SLOPE_ERROR * (vf_abs(rise_a) + vf_abs(rise_b)) + (a->error + b->error));
+    return vi_bits(apart <= SHEET_SLOPE_ERROR * rise + (a->error + b->error));
 }
 
 /* Of a block's row with itself and the next one. */
@@ -79,13 +92,16 @@ static inline ALWAYS_INLINE void join_row(const sheet_row *upper, const sheet_ro
         const sheet_planes left = sheet_planes_at(upper, i), right = sheet_planes_at(upper, i + 1);
         const sheet_planes below = sheet_planes_at(lower, i),
                            across = sheet_planes_at(lower, i + 1);
-        to_right |= planes_meet(&left, left.slope_x, &right, right.slope_x) << i;
-        down |= planes_meet(&left, left.slope_y, &below, below.slope_y) << i;
+        to_right |=
+            planes_meet(&left, left.slope_x, &right, right.slope_x, rise_across(&left, &right))
+            << i;
+        down |= planes_meet(&left, left.slope_y, &below, below.slope_y, rise_down(&left, &below))
+                << i;
         falling |= planes_meet(&left, left.slope_x + left.slope_y, &across,
-                               across.slope_x + across.slope_y)
+                               across.slope_x + across.slope_y, rise_askew(&left, &across))
                    << i;
         rising |= planes_meet(&right, right.slope_y - right.slope_x, &below,
-                              below.slope_y - below.slope_x)
+                              below.slope_y - below.slope_x, rise_askew(&right, &below))
                   << i;
     }
     for (int i = 0; i < SHB_JOINT_COLUMNS / SHB_JOINT_WORD; i++) {

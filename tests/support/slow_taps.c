@@ -39,15 +39,25 @@ static double behind(const sheet_plane *a, const sheet_plane *b) {
 }
 
 /* The planes cut each other between the places, or meet within 2^-11 of what they rise and a step
- * of the format. */
-static bool planes_meet(const shb_map *map, const sheet_plane *a, const sheet_plane *b) {
+ * of the format, times so much. */
+static bool planes_meet(const shb_map *map, const sheet_plane *a, const sheet_plane *b,
+                        double times) {
     const double x = fabs(b->x - a->x), y = fabs(b->y - a->y);
     const double rise =
         (fabs(a->slope_x) + fabs(b->slope_x)) * x + (fabs(a->slope_y) + fabs(b->slope_y)) * y;
     const double step = map->info.format == SHB_FORMAT_UNORM16 ? 0x1p-16 : 0;
     const double error = rise * 0x1p-11 + 0x1p-21 * (fabs(a->z) + fabs(b->z)) + step;
     const double ahead = behind(a, b), back = behind(b, a);
-    return is_known(a) && is_known(b) && fmin(fmax(ahead, back), -fmin(ahead, back)) <= error;
+    return is_known(a) && is_known(b) &&
+           fmin(fmax(ahead, back), -fmin(ahead, back)) <= error * times;
+}
+
+slow_joint slow_joint_of(const shb_map *map, int ax, int ay, int bx, int by) {
+    if (!is_in_map(map, ax, ay) || !is_in_map(map, bx, by))
+        return SLOW_JOINT_APART;
+    const sheet_plane a = plane_of_texel(map, ax, ay), b = plane_of_texel(map, bx, by);
+    const bool strictly = planes_meet(map, &a, &b, 0.5), nearly = planes_meet(map, &a, &b, 2);
+    return strictly == nearly ? (slow_joint)strictly : SLOW_JOINT_UNSURE;
 }
 
 /* The scalar test less what it allows for snapping, which taps do not. */
@@ -93,7 +103,7 @@ static void reach(const shb_map *map, slow_box *box, int column, int row) {
                 !is_in_map(map, box->left + j, box->top + k))
                 continue;
             const sheet_plane other = plane_of_texel(map, box->left + j, box->top + k);
-            if (planes_meet(map, &own, &other))
+            if (planes_meet(map, &own, &other, 1))
                 reach(map, box, j, k);
         }
 }
@@ -117,7 +127,7 @@ slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int
                              true,
                              true};
     const sheet_plane texel = plane_of_texel(map, x, y);
-    if (planes_meet(map, &own, &texel) && !slow_tap_is_shadowed(map, fragment, x, y))
+    if (planes_meet(map, &own, &texel, 1) && !slow_tap_is_shadowed(map, fragment, x, y))
         reach(map, &box, x - box.left, y - box.top);
     return box;
 }

@@ -9,6 +9,12 @@
  * shadow nothing. */
 bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y);
 
+/* Of the occluders' planes of two neighbouring texels of the map. */
+typedef enum slow_joint { SLOW_JOINT_APART, SLOW_JOINT_MEET, SLOW_JOINT_UNSURE } slow_joint;
+
+/* Unsure: by half of what rounding is allowed they do not, by twice that they do. */
+slow_joint slow_joint_of(const shb_map *map, int ax, int ay, int bx, int by);
+
 enum { SLOW_BOX_MAX = 63 };
 
 /* A box of n x n texels, and which of them hold the sheet that the fragment stands on. */
