@@ -6,6 +6,7 @@
 #include "slow_taps.h"
 #include "test.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -131,4 +132,62 @@ TEST(joints_tell_in_each_direction_whether_the_planes_of_neighbours_meet) {
         free(given);
         soup_free(&s);
     }
+}
+
+static void forget_block(const shb_joints *joints, size_t column, size_t row) {
+    enum { WORDS = SHB_JOINT_COLUMNS / SHB_JOINT_WORD };
+    joints->found[row * joints->columns + column] = 0;
+    for (size_t y = row * SHB_JOINT_ROWS; y < (row + 1) * SHB_JOINT_ROWS && y < joints->height; y++)
+        for (size_t i = 0; i < WORDS; i++)
+            joints->words[y * joints->pitch + SHB_JOINT_MARGIN + column * WORDS + i] = 0;
+}
+
+/* A corner of four blocks that a box of 7 x 7 texels around the place reaches. */
+static bool is_at_corner(double x, double y, size_t *column, size_t *row) {
+    const double nearest_column = round(x / SHB_JOINT_COLUMNS);
+    const double nearest_row = round(y / SHB_JOINT_ROWS);
+    *column = (size_t)nearest_column;
+    *row = (size_t)nearest_row;
+    return nearest_column >= 1 && nearest_column <= 2 && nearest_row >= 1 && nearest_row <= 9 &&
+           fabs(x - nearest_column * SHB_JOINT_COLUMNS) < 2.4 &&
+           fabs(y - nearest_row * SHB_JOINT_ROWS) < 2.4;
+}
+
+TEST(a_box_finds_each_block_that_it_reaches_whichever_were_found_before) {
+    const shb_filter box = shb_filter_pcf(7, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+    const shb_bias exact = shb_bias_exact();
+    const shb_map_desc desc = {
+        .view = probe_orthographic(false), .width = 150, .occluders = SHB_OCCLUDERS_PLANES};
+    soup s = {0};
+    asked_scene_add_relief(&s);
+    asked_points *given = malloc(sizeof *given);
+    asked_map made = asked_map_draw(SHB_ISA_BEST, &desc, &s);
+    const shb_joints *joints = &made.map->occluders.joints;
+    int asked = 0;
+    for (uint64_t seed = 12; seed < 24; seed++) {
+        float expected[ASKED_POINTS];
+        asked_points_fill(&s, seed, given);
+        asked_map_ask(&made, given, &box, expected);
+        for (int i = 0; i < ASKED_POINTS; i++) {
+            shb_exact_fragment fragment;
+            size_t column, row;
+            if (!asked_point_fragment(made.map, given, i, &fragment) ||
+                !is_at_corner(fragment.point.x, fragment.point.y, &column, &row))
+                continue;
+            const shb_points one = {.count = 1,
+                                    .positions = given->positions + 3 * i,
+                                    .normals = given->normals + 3 * i};
+            asked++;
+            for (size_t block = 0; block < 4; block++) {
+                float seen;
+                forget_block(joints, column - block % 2, row - block / 2);
+                CHECK_INT(shb_map_visibility(made.map, &one, &exact, &box, &seen), SHB_OK);
+                CHECK(memcmp(&seen, &expected[i], sizeof seen) == 0);
+            }
+        }
+    }
+    CHECK(asked > 100);
+    asked_map_close(&made);
+    free(given);
+    soup_free(&s);
 }
