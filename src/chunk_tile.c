@@ -6,6 +6,7 @@
 #include "chunk_gather.h"
 #include "chunk_whole.h"
 #include "cluster_bin.h"
+#include "kernels/shade.h"
 #include "marks.h"
 #include "scratch.h"
 
@@ -43,6 +44,7 @@ typedef struct grid {
 
 typedef struct tile_job {
     const shb_kernels *kernels;
+    shb_format_store_fn *store;
     const shb_draw_desc *desc;
     const shb_geometry *geometry;
     const shb_target *target;
@@ -245,7 +247,7 @@ static void draw_tile(tile_job *job, size_t lane, size_t number) {
     atomic_fetch_add(&job->drawn, drawn);
     job->kernels->clear(&tile);
     draw_coded(job, &layers);
-    shb_layers_store(&layers, job->desc);
+    shb_layers_store(&layers, job->desc, job->store);
 }
 
 /* A lane owns its layers and takes one row of tiles after the other until none is left. Threads
@@ -324,7 +326,7 @@ static bool draw_whole(shb_context *context, tile_job *job) {
                               &job->bins.drawn))
         return false;
     draw_coded(job, &layers);
-    shb_layers_store(&layers, job->desc);
+    shb_layers_store(&layers, job->desc, job->store);
     return true;
 }
 
@@ -341,6 +343,7 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                           const shb_geometry *geometry, const shb_target *target,
                           const shb_chunks *chunks, shb_draw_stats *stats) {
     tile_job job = {.kernels = context->kernels,
+                    .store = context->shade_kernels->store,
                     .desc = desc,
                     .geometry = geometry,
                     .target = target,

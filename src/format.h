@@ -20,11 +20,12 @@ static inline float shb_far_depth(bool reversed) {
     return reversed ? 0.0f : 1.0f;
 }
 
-/* Writes a row of canonical depths as stored texels. */
-void shb_format_store(shb_format format, bool reversed, size_t count, const float *canonical,
-                      void *texels);
+/* Writes count canonical depths as stored texels, which may lie in their place. NaN may become any
+ * depth. One for each instruction set. */
+typedef void shb_format_store_fn(shb_format format, bool reversed, size_t count,
+                                 const float *canonical, void *texels);
 
-/* Reads such a row again. */
+/* Reads them again. */
 void shb_format_load(shb_format format, bool reversed, size_t count, const void *texels,
                      float *canonical);
 

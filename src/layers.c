@@ -2,7 +2,6 @@
 
 #include "layers.h"
 
-#include "format.h"
 #include "half.h"
 #include "padded_rows.h"
 #include "scratch.h"
@@ -148,7 +147,7 @@ void shb_layers_clear(const shb_layers *layers, bool reversed) {
 }
 
 static void store_depth(const shb_layers *layers, const float *layer, const shb_depth_image *image,
-                        uint32_t width, bool reversed) {
+                        uint32_t width, bool reversed, shb_format_store_fn *store) {
     if (!image->texels)
         return;
     const size_t size = shb_format_size(image->format);
@@ -158,8 +157,8 @@ static void store_depth(const shb_layers *layers, const float *layer, const shb_
     if ((void *)texels == (const void *)layer && !reversed)
         return;
     for (size_t row = 0; row < rows_of(layers); row++)
-        shb_format_store(image->format, reversed, columns_of(layers), layer + row * layers->pitch,
-                         texels + row * stride);
+        store(image->format, reversed, columns_of(layers), layer + row * layers->pitch,
+              texels + row * stride);
 }
 
 static void store_ids(const shb_layers *layers, const shb_draw_desc *desc) {
@@ -175,9 +174,10 @@ static void store_ids(const shb_layers *layers, const shb_draw_desc *desc) {
                columns_of(layers) * sizeof(uint32_t));
 }
 
-void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc) {
+void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc,
+                      shb_format_store_fn *store) {
     const bool reversed = desc->view->reversed;
-    store_depth(layers, layers->nearest, &desc->depth, desc->width, reversed);
-    store_depth(layers, layers->second, &desc->second, desc->width, reversed);
+    store_depth(layers, layers->nearest, &desc->depth, desc->width, reversed, store);
+    store_depth(layers, layers->second, &desc->second, desc->width, reversed, store);
     store_ids(layers, desc);
 }

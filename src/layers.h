@@ -5,6 +5,7 @@
 
 #include "cover.h"
 #include "drawn_plane.h"
+#include "format.h"
 
 /* Depths are canonical. Sample (column, row) is element (row - samples.first_row) * pitch + column
  * - samples.first_column of each array. */
@@ -33,6 +34,7 @@ void shb_layers_draw(const shb_layers *layers, const shb_target *target,
 
 /* Stores the samples in the images that the description wants, except where a layer is the image.
  */
-void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc);
+void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc,
+                      shb_format_store_fn *store);
 
 #endif

@@ -3,6 +3,7 @@
 #include "map.h"
 
 #include "format.h"
+#include "kernels/shade.h"
 #include "lists.h"
 #include "occluders.h"
 #include "padded_rows.h"
@@ -101,14 +102,15 @@ static void fill_far(const shb_map *map) {
     const bool reversed = map->info.view.reversed;
     const uint32_t width = map->info.width;
     const size_t texel_size = shb_format_size(map->info.format);
+    shb_format_store_fn *const store = map->context->shade_kernels->store;
     float depths[CHUNK];
     for (int i = 0; i < CHUNK; i++)
         depths[i] = shb_far_depth(reversed);
     for (uint32_t row = 0; row < map->info.height; row++)
         for (uint32_t column = 0; column < width; column += CHUNK)
-            shb_format_store(
-                map->info.format, reversed, width - column < CHUNK ? width - column : CHUNK, depths,
-                (char *)map->depth.texels + row * map->depth.stride + column * texel_size);
+            store(map->info.format, reversed, width - column < CHUNK ? width - column : CHUNK,
+                  depths,
+                  (char *)map->depth.texels + row * map->depth.stride + column * texel_size);
 }
 
 shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_map **map) {

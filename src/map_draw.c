@@ -11,6 +11,7 @@
 
 #include "draw.h"
 #include "format.h"
+#include "kernels/shade.h"
 #include "lists.h"
 #include "occluder_planes.h"
 #include "occluders.h"
@@ -50,6 +51,7 @@ static void combine_rows(shb_map *map, const shb_bias *bias, const layers *drawn
     const size_t width = map->info.width, pitch = drawn->stride / sizeof(float);
     memset(map->marks, 0, shb_map_marks_size(map));
     const bool reversed = map->info.view.reversed;
+    shb_format_store_fn *const store = map->context->shade_kernels->store;
     for (uint32_t row = 0; row < map->info.height; row++) {
         float *nearest = drawn->nearest + row * pitch;
         float *second = drawn->second + row * pitch;
@@ -59,8 +61,8 @@ static void combine_rows(shb_map *map, const shb_bias *bias, const layers *drawn
         }
         bias->combine(bias, width, nearest, second, nearest);
         replace_nan(width, shb_far_depth(reversed), nearest);
-        shb_format_store(map->info.format, reversed, width, nearest,
-                         (char *)map->depth.texels + row * map->depth.stride);
+        store(map->info.format, reversed, width, nearest,
+              (char *)map->depth.texels + row * map->depth.stride);
     }
 }
 

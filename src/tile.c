@@ -2,6 +2,7 @@
 
 #include "tile.h"
 
+#include "kernels/shade.h"
 #include "layers.h"
 
 #include <stdatomic.h>
@@ -12,6 +13,7 @@ typedef struct tile_job {
     const shb_target *target;
     const shb_bins *bins;
     shb_layers *lanes;
+    shb_format_store_fn *store;
     atomic_size_t next; /* tile that nobody has begun */
 } tile_job;
 
@@ -40,7 +42,7 @@ static void draw_tile(const tile_job *job, shb_layers *layers, size_t tile) {
         (shb_samples){left, top, left + size - 1, top + size - 1}, job->target->samples);
     shb_layers_clear(layers, job->desc->view->reversed);
     draw_list(job, layers, tile);
-    shb_layers_store(layers, job->desc);
+    shb_layers_store(layers, job->desc, job->store);
 }
 
 /* A lane owns its layers and takes tile after tile until none is left. */
@@ -53,7 +55,11 @@ static void run_lane(void *arg, size_t index) {
 
 bool shb_tiles_draw(shb_context *context, const shb_draw_desc *desc, const shb_geometry *geometry,
                     const shb_target *target, const shb_bins *bins) {
-    tile_job job = {.desc = desc, .geometry = geometry, .target = target, .bins = bins};
+    tile_job job = {.desc = desc,
+                    .geometry = geometry,
+                    .target = target,
+                    .bins = bins,
+                    .store = context->shade_kernels->store};
     const size_t tiles = (size_t)bins->columns * bins->rows;
     const size_t lanes = tiles < context->threads ? tiles : context->threads;
     job.lanes = shb_layers_reserve(context, desc, lanes, bins->tile_size, bins->tile_size);

@@ -1,5 +1,6 @@
-#include "../src/format.h"
+#include "../src/kernels/shade.h"
 
+#include "isas.h"
 #include "random.h"
 #include "target.h"
 #include "test.h"
@@ -63,22 +64,82 @@ TEST(unorm_depths_by_hand_are_rounded_away_from_the_viewer) {
     CHECK_INT(store_flat(-1, SHB_FORMAT_UNORM24, true), 0);
 }
 
-/* Rounding may leave a depth a little before the near plane. */
-TEST(unorm_depths_before_the_near_plane_are_clamped_to_it) {
-    const float standard[] = {-1e-9f, -0.0f, -0.25f}, reversed[] = {-1 - 0x1p-23f, -1, -1.5f};
-    uint32_t texels[3];
-    shb_format_store(SHB_FORMAT_UNORM24, false, 3, standard, texels);
-    for (int i = 0; i < 3; i++)
-        CHECK_INT(texels[i], 0);
-    shb_format_store(SHB_FORMAT_UNORM24, true, 3, reversed, texels);
-    for (int i = 0; i < 3; i++)
-        CHECK_INT(texels[i], MAX24);
-}
-
 /* q is z * max rounded away from the viewer. z * max has at most 48 bits and is exact in double. */
 static bool is_rounded_away(uint32_t q, float z, uint32_t max, bool reversed) {
     const double scaled = (double)z * max;
     return reversed ? q <= scaled && q + 1.0 > scaled : q >= scaled && q - 1.0 < scaled;
+}
+
+#define DEPTHS 3000
+
+/* Depths of a standard map: odd ones, random ones of all sizes, multiples of a unorm's step and
+ * their neighbours. */
+static void make_depths(float depths[DEPTHS]) {
+    static const float odd[] = {0,        -0.0f,  1,          1 - 0x1p-24f, 1 + 0x1p-23f,
+                                1.5f,     -1e-9f, -0.25f,     0x1p-149f,    0x1p-24f,
+                                0x1p-16f, 0.5f,   -HUGE_VALF, HUGE_VALF};
+    enum { ODD = sizeof odd / sizeof *odd };
+    test_random random = {77};
+    for (int i = 0; i < DEPTHS; i++) {
+        const float max = i % 2 ? (float)MAX16 : (float)MAX24;
+        const float step = floorf((float)random_double(&random, 0, 1) * max) / max;
+        const float all[] = {(float)random_double(&random, 0, 1),
+                             (float)exp2(random_double(&random, -26, 0)), step, nextafterf(step, 0),
+                             nextafterf(step, 1)};
+        depths[i] = i < ODD ? odd[i] : all[i % 5];
+    }
+}
+
+static uint32_t stored_unorm(shb_format format, const void *texels, size_t i) {
+    uint16_t half;
+    uint32_t word;
+    if (format == SHB_FORMAT_UNORM16) {
+        memcpy(&half, (const char *)texels + i * sizeof half, sizeof half);
+        return half;
+    }
+    memcpy(&word, (const char *)texels + i * sizeof word, sizeof word);
+    return word;
+}
+
+static void check_stored(shb_format format, bool reversed, size_t count, const float *depths,
+                         const void *texels) {
+    const uint32_t max = format == SHB_FORMAT_UNORM16 ? MAX16 : MAX24;
+    for (size_t i = 0; i < count; i++) {
+        const float z = depths[i];
+        const uint32_t stored = stored_unorm(format, texels, i);
+        if (format == SHB_FORMAT_FLOAT32)
+            CHECK(memcmp(&z, (const char *)texels + i * sizeof z, sizeof z) == 0);
+        else
+            CHECK(is_rounded_away(stored, z < 0 ? 0 : z > 1 ? 1 : z, max, reversed));
+    }
+}
+
+/* Counts that are no multiple of a vector; what lies behind the last texel stays as it was. */
+static void check_store(shb_format_store_fn *store, shb_format format, bool reversed) {
+    const size_t size = shb_format_size(format);
+    float depths[DEPTHS], canonical[DEPTHS];
+    char texels[(DEPTHS + 1) * sizeof(float)], untouched[sizeof(float)];
+    make_depths(depths);
+    for (int i = 0; i < DEPTHS; i++) {
+        canonical[i] = reversed ? -depths[i] : depths[i];
+        depths[i] = depths[i] == 0 && reversed ? 0 : depths[i];
+    }
+    memset(untouched, 0xa5, sizeof untouched);
+    for (size_t count = 0; count <= DEPTHS; count += count < 40 ? 1 : DEPTHS - 40) {
+        memset(texels, 0xa5, sizeof texels);
+        store(format, reversed, count, canonical, texels);
+        check_stored(format, reversed, count, depths, texels);
+        CHECK(memcmp(texels + count * size, untouched, sizeof untouched) == 0);
+    }
+    store(format, reversed, DEPTHS, canonical, canonical);
+    check_stored(format, reversed, DEPTHS, depths, canonical);
+}
+
+TEST(every_instruction_set_stores_depths_rounded_away_from_the_viewer) {
+    for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa))
+        for (int format = 0; format < 3; format++)
+            for (int reversed = 0; reversed < 2; reversed++)
+                check_store(shb_shade_kernels_of(isa)->store, (shb_format)format, reversed);
 }
 
 static void check_formats(const shb_view *view, const shb_scene *scene) {

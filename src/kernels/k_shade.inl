@@ -18,6 +18,8 @@
 
 #include "k_lookup.inl"
 
+#include "k_stores.inl"
+
 #include "k_quick.inl"
 
 #include "k_bias.inl"
@@ -65,6 +67,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .project = project_batch,
     .normals = turn_normals,
     .fetch = fetch,
+    .store = store_texels,
     .hard = hard,
     .planes = ask_planes,
     .nearest = ask_nearest,

@@ -4,6 +4,7 @@
 #define SRC_KERNELS_SHADE_H
 
 #include "../exact_triangles.h"
+#include "../format.h"
 #include "../pcss.h"
 #include "../quick_test.h"
 #include "../surface_table.h"
@@ -25,6 +26,9 @@ typedef struct shb_shade_kernels {
     /* The contract of shb_map_fetch for up to SHB_BATCH texels. */
     void (*fetch)(const shb_map *map, size_t count, const int32_t *texel_x, const int32_t *texel_y,
                   float *depth);
+
+    /* What layers and maps write their depths with. */
+    shb_format_store_fn *store;
 
     /* The contract of shb_filter_hard. */
     void (*hard)(const shb_map *map, size_t count, const shb_receivers *receivers,

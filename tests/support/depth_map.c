@@ -1,6 +1,6 @@
 #include "depth_map.h"
 
-#include "../../src/format.h"
+#include "../../src/kernels/shade.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -15,8 +15,8 @@ depth_map depth_map_open(const shb_context_desc *context, const shb_map_desc *de
     for (size_t y = 0; y < height; y++) {
         for (size_t x = 0; x < width; x++)
             canonical[x] = depths[y * width + x] - (reversed ? 1 : 0);
-        shb_format_store(desc->format, reversed, width, canonical,
-                         (char *)opened.texels + y * row_bytes);
+        shb_shade_kernels_scalar.store(desc->format, reversed, width, canonical,
+                                       (char *)opened.texels + y * row_bytes);
     }
     free(canonical);
     CHECK_INT(shb_context_create(context, &opened.context), SHB_OK);
