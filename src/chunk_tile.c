@@ -13,10 +13,12 @@
 #include <stdatomic.h>
 
 /* Tiles are as wide as the target, so that memory is written in long runs, and as many rows high as
- * give this many samples (powers of two): less where each triangle fills much of a tile or tiles
- * are copied to the target, so that they stay in a second-level cache. */
+ * give this many samples (powers of two): less where each triangle fills much of a tile, so that it
+ * stays in a second-level cache, more where tiles are copied to the target: they need a third-level
+ * cache only, and the fewer they are, the fewer triangles are drawn in two of them. */
 #define TILE_BITS 19
 #define CACHED_TILE_BITS 17
+#define COPIED_TILE_BITS 20
 #define ROW_BITS_MIN 4
 
 #define TILE_ROWS_MAX (SHB_SIZE_MAX >> ROW_BITS_MIN)
@@ -99,9 +101,9 @@ static int bits_of(uint32_t value) {
 }
 
 static shb_tile_shape choose_shape(const shb_context *context, const shb_draw_desc *desc,
-                                   bool cached) {
+                                   int tile_bits) {
     const int column_bits = bits_of(desc->width < 16 ? 16 : desc->width);
-    int row_bits = (cached ? CACHED_TILE_BITS : TILE_BITS) - column_bits;
+    int row_bits = tile_bits - column_bits;
     while (context->threads > 1 && desc->height >> row_bits < TILES_PER_THREAD * context->threads &&
            row_bits > ROW_BITS_MIN)
         row_bits--;
@@ -130,12 +132,12 @@ static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
     const uint64_t triangles = geometry->triangle_count;
     const bool few = geometry->few;
     const bool direct = can_draw_directly(desc);
-    return (grid){.direct = direct,
-                  .few = few,
-                  .whole =
-                      direct && !desc->tile_size && !few && suits_whole(context, desc, triangles),
-                  .shape = desc->tile_size ? square_shape(desc)
-                                           : choose_shape(context, desc, few || !direct)};
+    const int tile_bits = few ? CACHED_TILE_BITS : direct ? TILE_BITS : COPIED_TILE_BITS;
+    return (grid){
+        .direct = direct,
+        .few = few,
+        .whole = direct && !desc->tile_size && !few && suits_whole(context, desc, triangles),
+        .shape = desc->tile_size ? square_shape(desc) : choose_shape(context, desc, tile_bits)};
 }
 
 static shb_samples tile_samples(const tile_job *job, size_t tile) {
