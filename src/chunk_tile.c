@@ -128,10 +128,10 @@ static bool suits_whole(const shb_context *context, const shb_draw_desc *desc, u
 }
 
 static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
-                        const shb_geometry *geometry) {
+                        const shb_geometry *geometry, const shb_target *target) {
     const uint64_t triangles = geometry->triangle_count;
     const bool few = geometry->few;
-    const bool direct = can_draw_directly(desc);
+    const bool direct = can_draw_directly(desc) && !target->combines;
     const int tile_bits = few ? CACHED_TILE_BITS : direct ? TILE_BITS : COPIED_TILE_BITS;
     return (grid){
         .direct = direct,
@@ -249,7 +249,7 @@ static void draw_tile(tile_job *job, size_t lane, size_t number) {
     atomic_fetch_add(&job->drawn, drawn);
     job->kernels->clear(&tile);
     draw_coded(job, &layers);
-    shb_layers_store(&layers, job->desc, job->store);
+    shb_layers_store(&layers, job->desc, job->target, job->store);
 }
 
 /* A lane owns its layers and takes one row of tiles after the other until none is left. Threads
@@ -308,7 +308,7 @@ static bool draw_tiles(shb_context *context, tile_job *job) {
     if (!job->cells || !reserve_depths(context, job, lanes, height))
         return false;
     if (!job->grid.direct) {
-        job->lanes = shb_layers_reserve(context, job->desc, lanes, width, height);
+        job->lanes = shb_layers_reserve(context, job->desc, job->target, lanes, width, height);
         if (!job->lanes)
             return false;
     }
@@ -328,7 +328,7 @@ static bool draw_whole(shb_context *context, tile_job *job) {
                               &job->bins.drawn))
         return false;
     draw_coded(job, &layers);
-    shb_layers_store(&layers, job->desc, job->store);
+    shb_layers_store(&layers, job->desc, job->target, job->store);
     return true;
 }
 
@@ -351,7 +351,7 @@ bool shb_chunk_tiles_draw(shb_context *context, const shb_draw_desc *desc,
                     .target = target,
                     .chunks = chunks,
                     .counts = stats != NULL,
-                    .grid = choose_grid(context, desc, geometry)};
+                    .grid = choose_grid(context, desc, geometry, target)};
     if (job.grid.direct)
         job.marks = target->marks;
     else

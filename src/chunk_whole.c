@@ -131,7 +131,7 @@ bool shb_chunk_whole_draw(shb_context *context, const shb_draw_desc *desc, const
         job.lanes[0].marks = NULL;
         shb_marks_forget(target->marks, desc->width, desc->height);
         const shb_layers *own =
-            shb_layers_reserve(context, desc, job.lane_count - 1, desc->width, rows);
+            shb_layers_reserve(context, desc, target, job.lane_count - 1, desc->width, rows);
         if (!own)
             return false;
         for (size_t lane = 1; lane < job.lane_count; lane++) {

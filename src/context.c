@@ -118,7 +118,6 @@ void shb_context_destroy(shb_context *context) {
     const shb_context last = *context;
     shb_pool_destroy(&last, last.pool);
     free_buffers(&last, last.draw_scratch, sizeof(last.draw_scratch) / sizeof(shb_buffer));
-    free_buffers(&last, last.map_scratch, sizeof(last.map_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.occluder_scratch, sizeof(last.occluder_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.list_scratch, sizeof(last.list_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.sheet_scratch, sizeof(last.sheet_scratch) / sizeof(shb_buffer));

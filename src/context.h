@@ -26,7 +26,6 @@ struct shb_context {
     const struct shb_kernels *kernels; /* of the instruction set; NULL: scalar code */
     const struct shb_shade_kernels *shade_kernels;
     shb_buffer draw_scratch[SHB_SCRATCH_BUFFERS];
-    shb_buffer map_scratch[2];      /* the layers that a map combines */
     shb_buffer occluder_scratch[3]; /* named in map.h */
     shb_buffer list_scratch[SHB_LIST_BUFFERS];
     shb_buffer sheet_scratch[6]; /* named in sheets_bin.h */

@@ -124,8 +124,9 @@ static bool draw_scalar(shb_context *context, const shb_draw_desc *desc,
            shb_tiles_draw(context, desc, geometry, target, &bins);
 }
 
-shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
-                           const shb_plane_finder *planes, shb_draw_stats *stats) {
+shb_result shb_draw_for_map(shb_context *context, const shb_draw_desc *desc,
+                            const shb_plane_finder *planes, const shb_bias *combines,
+                            shb_draw_stats *stats) {
     if (!context)
         return SHB_ERROR_ARGUMENT;
     const shb_result result = check_desc(context, desc);
@@ -133,6 +134,7 @@ shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
         return result;
     shb_target target = shb_target_of(desc->width, desc->height, desc->view->reversed);
     target.planes = planes;
+    target.combines = combines;
     target.marks = shb_marks_open(desc);
     if (!context->kernels)
         shb_marks_forget(target.marks, desc->width, desc->height);
@@ -150,5 +152,5 @@ shb_result shb_draw_planes(shb_context *context, const shb_draw_desc *desc,
 }
 
 shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_stats *stats) {
-    return shb_draw_planes(context, desc, NULL, stats);
+    return shb_draw_for_map(context, desc, NULL, NULL, stats);
 }

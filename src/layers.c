@@ -5,6 +5,7 @@
 #include "half.h"
 #include "padded_rows.h"
 #include "scratch.h"
+#include "shadowbias/bias.h"
 
 #include <string.h>
 
@@ -101,10 +102,11 @@ void shb_layers_draw(const shb_layers *layers, const shb_target *target,
     }
 }
 
-shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc, size_t count,
-                               size_t columns, size_t rows) {
+shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc,
+                               const shb_target *target, size_t count, size_t columns,
+                               size_t rows) {
     const size_t pitch = shb_padded_stride(columns, sizeof(float)) / sizeof(float);
-    const bool has_second = desc->second.texels != NULL, has_ids = desc->ids != NULL;
+    const bool has_second = desc->second.texels || target->combines, has_ids = desc->ids != NULL;
     const size_t texels = pitch * rows, lane_texels = texels * (1u + has_second + has_ids);
     shb_buffer *scratch = context->draw_scratch;
     if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_LANES], count, sizeof(shb_layers)) ||
@@ -174,9 +176,26 @@ static void store_ids(const shb_layers *layers, const shb_draw_desc *desc) {
                columns_of(layers) * sizeof(uint32_t));
 }
 
-void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc,
+static void replace_nan(size_t count, float value, float *depths) {
+    for (size_t i = 0; i < count; i++)
+        depths[i] = depths[i] == depths[i] ? depths[i] : value;
+}
+
+/* Makes of the two layers what the method keeps. */
+static void combine(const shb_layers *layers, const shb_bias *bias, bool reversed) {
+    const size_t columns = columns_of(layers), rows = rows_of(layers);
+    for (size_t row = 0; row < rows; row++) {
+        float *nearest = layers->nearest + row * layers->pitch;
+        bias->combine(bias, columns, nearest, layers->second + row * layers->pitch, nearest);
+        replace_nan(columns, shb_far_depth(reversed), nearest);
+    }
+}
+
+void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc, const shb_target *target,
                       shb_format_store_fn *store) {
     const bool reversed = desc->view->reversed;
+    if (target->combines)
+        combine(layers, target->combines, reversed);
     store_depth(layers, layers->nearest, &desc->depth, desc->width, reversed, store);
     store_depth(layers, layers->second, &desc->second, desc->width, reversed, store);
     store_ids(layers, desc);

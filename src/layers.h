@@ -20,9 +20,10 @@ typedef struct shb_layers {
 } shb_layers;
 
 /* Layers of columns * rows samples for each of count lanes, in the context's scratch, with what the
- * description wants; their samples are for the caller to choose. NULL: out of memory. */
-shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc, size_t count,
-                               size_t columns, size_t rows);
+ * description and the target want; their samples are for the caller to choose. NULL: out of memory.
+ */
+shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc,
+                               const shb_target *target, size_t count, size_t columns, size_t rows);
 
 /* Far depths and no ids. */
 void shb_layers_clear(const shb_layers *layers, bool reversed);
@@ -32,9 +33,9 @@ void shb_layers_clear(const shb_layers *layers, bool reversed);
 void shb_layers_draw(const shb_layers *layers, const shb_target *target,
                      const shb_draw_instance *instance, const shb_shape *shape, uint32_t id);
 
-/* Stores the samples in the images that the description wants, except where a layer is the image.
- */
-void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc,
+/* Stores the samples in the images that the description wants, except where a layer is the image;
+ * where the target combines two layers, the first one is lost. */
+void shb_layers_store(const shb_layers *layers, const shb_draw_desc *desc, const shb_target *target,
                       shb_format_store_fn *store);
 
 #endif

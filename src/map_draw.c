@@ -1,4 +1,4 @@
-/* Drawing a map: the nearest layer straight into it, or two layers combined row by row. */
+/* Drawing a map. */
 #ifndef _POSIX_C_SOURCE
 #define _POSIX_C_SOURCE 200809L /* clock_gettime in a host's -std=c11 build */
 #endif
@@ -10,61 +10,11 @@
 #include <time.h>
 
 #include "draw.h"
-#include "format.h"
-#include "kernels/shade.h"
 #include "lists.h"
 #include "occluder_planes.h"
 #include "occluders.h"
-#include "padded_rows.h"
 #include "prepare.h"
 #include "scene.h"
-
-/* Where the two layers are drawn before they are combined. */
-typedef struct layers {
-    float *nearest;
-    float *second;
-    size_t stride; /* bytes */
-} layers;
-
-static bool reserve_layers(const shb_map *map, layers *out) {
-    shb_context *context = map->context;
-    const size_t stride = shb_padded_stride(map->info.width, sizeof(float));
-    if (!shb_buffer_reserve(context, &context->map_scratch[0], map->info.height, stride) ||
-        !shb_buffer_reserve(context, &context->map_scratch[1], map->info.height, stride))
-        return false;
-    *out = (layers){context->map_scratch[0].data, context->map_scratch[1].data, stride};
-    return true;
-}
-
-/* The depths of a reversed view to canonical ones. */
-static void change_sign(size_t count, float *depths) {
-    for (size_t i = 0; i < count; i++)
-        depths[i] = -depths[i];
-}
-
-static void replace_nan(size_t count, float value, float *depths) {
-    for (size_t i = 0; i < count; i++)
-        depths[i] = depths[i] == depths[i] ? depths[i] : value;
-}
-
-static void combine_rows(shb_map *map, const shb_bias *bias, const layers *drawn) {
-    const size_t width = map->info.width, pitch = drawn->stride / sizeof(float);
-    memset(map->marks, 0, shb_map_marks_size(map));
-    const bool reversed = map->info.view.reversed;
-    shb_format_store_fn *const store = map->context->shade_kernels->store;
-    for (uint32_t row = 0; row < map->info.height; row++) {
-        float *nearest = drawn->nearest + row * pitch;
-        float *second = drawn->second + row * pitch;
-        if (reversed) {
-            change_sign(width, nearest);
-            change_sign(width, second);
-        }
-        bias->combine(bias, width, nearest, second, nearest);
-        replace_nan(width, shb_far_depth(reversed), nearest);
-        store(map->info.format, reversed, width, nearest,
-              (char *)map->depth.texels + row * map->depth.stride);
-    }
-}
 
 static shb_result check_draw(const shb_map *map, const shb_scene *scene) {
     if (!map->owned)
@@ -81,13 +31,11 @@ static shb_result check_draw(const shb_map *map, const shb_scene *scene) {
 
 /* What a drawing makes before the map takes it. */
 typedef struct drawing {
-    bool combines;     /* two layers */
     bool keeps;        /* occluders of any kind */
     bool keeps_texels; /* the map's own array of them */
     bool keeps_lists;
     bool prepares; /* occluders, for texels or sheets */
     double scene_scale;
-    layers layers;
     shb_occluder_data occluders;
     shb_lists *lists; /* or NULL */
 } drawing;
@@ -96,8 +44,7 @@ static drawing plan_drawing(const shb_map *map, const shb_bias *bias) {
     const bool keeps = map->info.occluders && (!bias || bias->needs & SHB_NEEDS_OCCLUDERS);
     const bool has_lists = map->info.occluders == SHB_OCCLUDERS_LISTS;
     const bool keeps_texels = keeps && !has_lists;
-    return (drawing){.combines = bias && bias->combine,
-                     .keeps = keeps,
+    return (drawing){.keeps = keeps,
                      .keeps_texels = keeps_texels,
                      .keeps_lists = has_lists && (keeps || map->classifies),
                      .prepares = keeps_texels || shb_map_keeps_sheets(map),
@@ -114,14 +61,6 @@ static shb_result measure_scene(const shb_map *map, const shb_scene *scene, doub
                         "shb_map_draw: an index of scene is not below its mesh.vertex_count");
     *scale = box.lo.x <= box.hi.x ? shb_vec3_length(shb_vec3_subtract(box.hi, box.lo)) : 0;
     return SHB_OK;
-}
-
-static shb_result prepare_layers(const shb_map *map, drawing *made) {
-    if (!made->combines || reserve_layers(map, &made->layers))
-        return SHB_OK;
-    return shb_fail(map->context, SHB_ERROR_MEMORY,
-                    "shb_map_draw: no memory for two layers of %u by %u texels",
-                    (unsigned)map->info.width, (unsigned)map->info.height);
 }
 
 static shb_result prepare_lists(const shb_map *map, const shb_scene *scene, drawing *made) {
@@ -144,8 +83,6 @@ static shb_result prepare_occluders(const shb_map *map, const shb_scene *scene, 
 static shb_result prepare_drawing(const shb_map *map, const shb_scene *scene, drawing *made) {
     shb_result result = measure_scene(map, scene, &made->scene_scale);
     if (result == SHB_OK)
-        result = prepare_layers(map, made);
-    if (result == SHB_OK)
         result = prepare_lists(map, scene, made);
     if (result == SHB_OK)
         result = prepare_occluders(map, scene, made);
@@ -162,20 +99,14 @@ static shb_result draw_images(const shb_map *map, const shb_scene *scene, const 
                           .clear_marks = map->marks,
                           .clear_marks_size = shb_map_marks_size(map),
                           .flip_culling = bias && (bias->needs & SHB_NEEDS_FLIPPED)};
-    if (made->combines) {
-        desc.depth =
-            (shb_depth_image){.texels = made->layers.nearest, .stride = made->layers.stride};
-        desc.second =
-            (shb_depth_image){.texels = made->layers.second, .stride = made->layers.stride};
-        desc.clear_marks = NULL;
-    }
     if (made->keeps_texels) {
         desc.ids = made->occluders.texels;
         desc.id_stride = made->occluders.stride;
     }
     const bool draws_planes = made->keeps_texels && map->info.occluders == SHB_OCCLUDERS_PLANES;
     const shb_drawn_planes planes = shb_drawn_planes_of(map);
-    return shb_draw_planes(map->context, &desc, draws_planes ? &planes.finder : NULL, stats);
+    return shb_draw_for_map(map->context, &desc, draws_planes ? &planes.finder : NULL,
+                            bias && bias->combine ? bias : NULL, stats);
 }
 
 static void release_drawing(const shb_map *map, drawing *made) {
@@ -195,8 +126,6 @@ static void set_lists(shb_map *map, shb_lists *lists) {
 }
 
 static void take_drawing(shb_map *map, const shb_bias *bias, const drawing *made) {
-    if (made->combines)
-        combine_rows(map, bias, &made->layers);
     set_lists(map, NULL);
     shb_prepared_outdate(map);
     if (made->prepares)

@@ -22,12 +22,14 @@ typedef struct shb_samples {
 } shb_samples;
 
 struct shb_plane_finder;
+struct shb_bias;
 
 typedef struct shb_target {
     shb_clip_volume volume;
     double half_width, half_height;
     shb_samples samples;                   /* all of the target's */
     const struct shb_plane_finder *planes; /* slopes are drawn in place of ids; NULL: ids are */
+    const struct shb_bias *combines;       /* what makes the depth of two layers, or NULL */
     uint8_t *marks; /* where the images are clear (marks.h); NULL: not known */
 } shb_target;
 

@@ -42,7 +42,7 @@ static void draw_tile(const tile_job *job, shb_layers *layers, size_t tile) {
         (shb_samples){left, top, left + size - 1, top + size - 1}, job->target->samples);
     shb_layers_clear(layers, job->desc->view->reversed);
     draw_list(job, layers, tile);
-    shb_layers_store(layers, job->desc, job->store);
+    shb_layers_store(layers, job->desc, job->target, job->store);
 }
 
 /* A lane owns its layers and takes tile after tile until none is left. */
@@ -62,7 +62,7 @@ bool shb_tiles_draw(shb_context *context, const shb_draw_desc *desc, const shb_g
                     .store = context->shade_kernels->store};
     const size_t tiles = (size_t)bins->columns * bins->rows;
     const size_t lanes = tiles < context->threads ? tiles : context->threads;
-    job.lanes = shb_layers_reserve(context, desc, lanes, bins->tile_size, bins->tile_size);
+    job.lanes = shb_layers_reserve(context, desc, target, lanes, bins->tile_size, bins->tile_size);
     if (!job.lanes)
         return false;
     atomic_init(&job.next, 0);

@@ -1,6 +1,9 @@
 /* Methods that decide what the map keeps: on arrays by hand, and drawn. */
+#include "../src/kernels/shade.h"
+
 #include "contexts.h"
 #include "probe.h"
+#include "soup.h"
 #include "test.h"
 
 #include <math.h>
@@ -124,6 +127,64 @@ TEST(combined_depths_of_any_value_end_in_the_format) {
     double left, right;
     draw_layers(&bias, SHB_FORMAT_FLOAT32, true, &left, &right); /* left -0.75, right -0.25 */
     CHECK(left == 7 && right == 0);
+}
+
+enum { WIDTH = 75, HEIGHT = 41 };
+
+/* What a map has to hold: two layers drawn as images, combined and stored. */
+static void combine_images(shb_context *context, const shb_map_desc *desc, const shb_scene *scene,
+                           const shb_bias *bias, char *texels) {
+    float nearest[WIDTH * HEIGHT], second[WIDTH * HEIGHT];
+    const shb_draw_desc images = {.view = &desc->view,
+                                  .scene = scene,
+                                  .width = WIDTH,
+                                  .height = HEIGHT,
+                                  .depth = {.texels = nearest},
+                                  .second = {.texels = second}};
+    CHECK_INT(shb_draw(context, &images, NULL), SHB_OK);
+    for (int i = 0; desc->view.reversed && i < WIDTH * HEIGHT; i++) {
+        nearest[i] = -nearest[i];
+        second[i] = -second[i];
+    }
+    bias->combine(bias, WIDTH * HEIGHT, nearest, second, nearest);
+    shb_shade_kernels_scalar.store(desc->format, desc->view.reversed, WIDTH * HEIGHT, nearest,
+                                   texels);
+}
+
+static void check_combined(shb_context *context, const shb_map_desc *desc, const shb_scene *scene,
+                           const shb_bias *bias) {
+    char expected[WIDTH * HEIGHT * sizeof(float)];
+    combine_images(context, desc, scene, bias, expected);
+    shb_map *map = NULL;
+    CHECK_INT(shb_map_create(context, desc, &map), SHB_OK);
+    CHECK_INT(shb_map_draw(map, scene, bias, NULL), SHB_OK);
+    const shb_depth_image depth = shb_map_get_depth(map);
+    const size_t row = WIDTH * shb_format_size(desc->format);
+    for (size_t y = 0; y < HEIGHT; y++)
+        CHECK(memcmp((const char *)depth.texels + y * depth.stride, expected + y * row, row) == 0);
+    shb_map_destroy(map);
+}
+
+TEST(maps_hold_both_layers_of_a_scene_combined) {
+    const shb_bias methods[] = {shb_bias_midpoint(), shb_bias_dual_layer(0.01f)};
+    test_random random = {41};
+    soup s = {0};
+    for (int i = 0; i < 8; i++)
+        soup_add_patch(&s, &random);
+    const shb_scene *scene = soup_scene(&s);
+    for (int how = 0; how < 4; how++) {
+        shb_context *context =
+            test_context(how & 1 ? 3 : 1, how & 2 ? SHB_ISA_SCALAR : SHB_ISA_BEST);
+        for (int i = 0; i < 12; i++) {
+            const shb_map_desc desc = {.view = probe_orthographic(i & 1),
+                                       .width = WIDTH,
+                                       .height = HEIGHT,
+                                       .format = (shb_format)(i / 4)};
+            check_combined(context, &desc, scene, &methods[i / 2 % 2]);
+        }
+        shb_context_destroy(context);
+    }
+    soup_free(&s);
 }
 
 /* A solid cube from z = -1 to 1: its front face is at depth 0.375, its back at 0.625. */

@@ -219,7 +219,7 @@ TEST(buffer_grows_only_when_it_must) {
     memset(buffer->data, 1, 101);
     CHECK_INT(state.calls - before, 2);
     CHECK_INT(state.live, 2);
-    CHECK(shb_buffer_reserve(context, &context->map_scratch[1], 1, 1));
+    CHECK(shb_buffer_reserve(context, &context->sheet_scratch[1], 1, 1));
     shb_context_destroy(context);
     CHECK_INT(state.live, 0);
 }

@@ -105,7 +105,8 @@ typedef struct shb_bias_args {
 typedef void shb_bias_fn(const shb_bias_args *args);
 
 /* Combines two layers into the depth that the map keeps, for count texels of a row: nearest[i] and
- * second[i] are canonical; absent layers hold the far depth. combined may be nearest. */
+ * second[i] are canonical; absent layers hold the far depth. combined may be nearest. Like a stage,
+ * it must be thread-safe and may not fail. */
 typedef void shb_combine_fn(const shb_bias *bias, size_t count, const float *nearest,
                             const float *second, float *combined);
 
