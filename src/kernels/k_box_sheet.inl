@@ -4,15 +4,23 @@
  * Included once for each number. */
 
 #define R(name) SHB_JOIN(name, ROW_BITS)
-#define ROW_LANES (32 * WIDE > ROW_BITS ? 32 * WIDE / ROW_BITS : 1)
+#define ROW_WORDS (ROW_BITS / SHB_JOINT_WORD)
+#define ROW_QUADS (WIDE > 2 ? WIDE / 2 : 1)
+#define ROW_LANES (4 * ROW_QUADS / ROW_WORDS)
 
 typedef SHB_JOIN(SHB_JOIN(uint, ROW_BITS), _t) R(row);
-typedef R(row) R(rows) __attribute__((vector_size(ROW_LANES * ROW_BITS / 8)));
+typedef R(row) R(rows) __attribute__((vector_size(8 * ROW_QUADS)));
+typedef uint64_t R(quads) __attribute__((vector_size(8 * ROW_QUADS)));
 
 /* One row of the boxes of ROW_LANES fragments: which texels are joined to others (bits of the left
  * and upper ones), and which are reached. */
 typedef struct R(sheet_row) {
-    R(rows) right, below, falling, rising; /* the last two: diagonals, downwards and upwards */
+    union {
+        uint64_t words[4][ROW_QUADS]; /* at first: as the map keeps them, by turns in these four */
+        struct {
+            R(rows) right, below, falling, rising; /* the last two: diagonals, down and up */
+        };
+    };
     R(rows) sheet;
 } R(sheet_row);
 
@@ -22,30 +30,46 @@ typedef struct R(sheet_rows) {
     R(rows) columns;
 } R(sheet_rows);
 
-/* Joints of n texels of a row from one of the first word's on. */
-static inline ALWAYS_INLINE void R(load_joint_row)(const _Atomic uint64_t *from, int shift, int n,
+static inline ALWAYS_INLINE uint64_t *R(word_of)(R(sheet_row) * row, size_t lane, size_t word) {
+    const size_t place = lane * ROW_WORDS + word;
+    return &row->words[place % 4][place / 4];
+}
+
+/* Joints of a row from a texel of the first word on. */
+static inline ALWAYS_INLINE void R(load_joint_row)(const _Atomic uint64_t *from, int shift,
                                                    size_t lane, R(sheet_row) * out) {
     const uint64_t kept = (uint64_t)(0xffff >> shift) * 0x0001000100010001u;
     const uint64_t up = (uint64_t)(0x10000 >> shift); /* a factor, as a second shift is slow */
-    R(row) right = 0, below = 0, falling = 0, rising = 0;
     uint64_t word = atomic_load_explicit(from, memory_order_relaxed);
-    for (int to = 0; to < (ROW_BITS == SHB_JOINT_WORD ? 1 : n); to += SHB_JOINT_WORD) {
+    for (size_t k = 0; k < ROW_WORDS; k++) {
         const uint64_t next = atomic_load_explicit(++from, memory_order_relaxed);
-        const uint64_t joints = (word >> shift & kept) | (next * up & ~kept);
-        right |= (R(row))((R(row))(joints & 0xffff) << to);
-        below |= (R(row))((R(row))(joints >> 16 & 0xffff) << to);
-        falling |= (R(row))((R(row))(joints >> 32 & 0xffff) << to);
-        rising |= (R(row))((R(row))(joints >> 48) << to);
+        *R(word_of)(out, lane, k) = (word >> shift & kept) | (next * up & ~kept);
         word = next;
     }
-    out->right[lane] = right;
-    out->below[lane] = below;
-    out->falling[lane] = falling;
-    out->rising[lane] = rising;
 }
 
 static inline ALWAYS_INLINE void R(clear_joint_row)(size_t lane, R(sheet_row) * out) {
-    out->right[lane] = out->below[lane] = out->falling[lane] = out->rising[lane] = 0;
+    for (size_t k = 0; k < ROW_WORDS; k++)
+        *R(word_of)(out, lane, k) = 0;
+}
+
+static inline ALWAYS_INLINE R(quads) R(load_words)(const R(sheet_row) * row, int turn) {
+    R(quads) words;
+    memcpy(&words, row->words[turn], sizeof words);
+    return words;
+}
+
+/* Words of four kinds become rows of each kind, by pairs of 16 and then of 32 bits. */
+static inline ALWAYS_INLINE void R(sort_joints)(R(sheet_row) * row) {
+    const uint64_t even = 0x0000ffff0000ffffu, low = 0xffffffffu;
+    const R(quads) a = R(load_words)(row, 0), b = R(load_words)(row, 1);
+    const R(quads) c = R(load_words)(row, 2), d = R(load_words)(row, 3);
+    const R(quads) even_ab = (a & even) | (b & even) << 16, odd_ab = (a >> 16 & even) | (b & ~even);
+    const R(quads) even_cd = (c & even) | (d & even) << 16, odd_cd = (c >> 16 & even) | (d & ~even);
+    row->right = (R(rows))((even_ab & low) | even_cd << 32);
+    row->below = (R(rows))((odd_ab & low) | odd_cd << 32);
+    row->falling = (R(rows))(even_ab >> 32 | (even_cd & ~low));
+    row->rising = (R(rows))(odd_ab >> 32 | (odd_cd & ~low));
 }
 
 static inline ALWAYS_INLINE void R(clear_sheets)(R(sheet_rows) * sheets, int n) {
@@ -74,7 +98,7 @@ static inline ALWAYS_INLINE void R(enter_sheet)(const shb_map *map, int32_t left
     for (int k = 0; k < first; k++)
         R(clear_joint_row)(lane, &rows[k]);
     for (int k = first; k < end; k++) {
-        R(load_joint_row)(from, shift, n, lane, &rows[k]);
+        R(load_joint_row)(from, shift, lane, &rows[k]);
         from += joints->pitch;
     }
     for (int k = end; k < n; k++)
@@ -89,14 +113,15 @@ static inline ALWAYS_INLINE void R(narrow_sheet)(int half, int side, size_t lane
     const int first = half - side;
     sheets->columns[lane] = (R(row))((R(row)) ~(R(row))0 >> (ROW_BITS - 1 - 2 * side) << first);
     R(clear_joint_row)(lane, &rows[first - 1]);
-    last->below[lane] = last->falling[lane] = last->rising[lane] = 0;
+    for (size_t k = 0; k < ROW_WORDS; k++)
+        *R(word_of)(last, lane, k) &= 0xffff; /* joints to the right */
 }
 
 /* All that some of a row reaches along it. right: a bit joins its column with the next. A sum
- * carries the lowest of each run of joints up to the run's end; steps of twice the length lead down
- * again. */
+ * carries the lowest of each run of joints up to the run's end; steps of twice the length lead
+ * down. */
 static inline ALWAYS_INLINE R(rows) R(reach_along)(R(rows) some, R(rows) right, int n) {
-    some |= (right + (some & right)) ^ right;
+    const R(rows) up = (right + (some & right)) ^ right;
     some |= some >> 1 & right;
     right &= right >> 1;
     some |= some >> 2 & right;
@@ -116,60 +141,78 @@ static inline ALWAYS_INLINE R(rows) R(reach_along)(R(rows) some, R(rows) right, 
     right &= right >> 16;
     some |= some >> 32 & right;
 #endif
-    return some;
+    return some | up;
 }
 
-/* Adds to a row what it reaches, entered from another one; returns what is new. */
-static inline ALWAYS_INLINE R(rows)
-    R(grow_row)(R(sheet_row) * row, R(rows) entered, R(rows) all, int n) {
-    const R(rows) before = row->sheet;
-    row->sheet = all & R(reach_along)(before | (entered & all), row->right, n);
-    return row->sheet ^ before;
-}
-
-static inline ALWAYS_INLINE R(rows) R(grow_down)(R(sheet_row) * row, R(rows) all, int n) {
+static inline ALWAYS_INLINE R(rows) R(entered_from_above)(const R(sheet_row) * row) {
     const R(sheet_row) *above = row - 1;
-    const R(rows) entered = (above->sheet & above->below) | (above->sheet & above->falling) << 1 |
-                            (above->sheet >> 1 & above->rising);
-    return R(grow_row)(row, entered, all, n);
+    return (above->sheet & above->below) | (above->sheet & above->falling) << 1 |
+           (above->sheet >> 1 & above->rising);
 }
 
-static inline ALWAYS_INLINE R(rows) R(grow_up)(R(sheet_row) * row, R(rows) all, int n) {
+static inline ALWAYS_INLINE R(rows) R(entered_from_below)(const R(sheet_row) * row) {
     const R(rows) under = row[1].sheet;
-    const R(rows) entered =
-        (under & row->below) | (under >> 1 & row->falling) | (under & row->rising) << 1;
-    return R(grow_row)(row, entered, all, n);
+    return (under & row->below) | (under >> 1 & row->falling) | (under & row->rising) << 1;
 }
 
-static inline ALWAYS_INLINE bool R(has_grown)(R(rows) grown) {
-    int32_t news[sizeof(R(rows)) / sizeof(int32_t)];
-    memcpy(news, &grown, sizeof news);
-    return any_set(news, sizeof news / sizeof *news);
+/* Adds to a row what it reaches, entered from another one. */
+static inline ALWAYS_INLINE void R(grow_row)(R(sheet_row) * row, R(rows) entered, R(rows) all,
+                                             int n) {
+    row->sheet = all & R(reach_along)(row->sheet | (entered & all), row->right, n);
 }
 
-/* From what is reached on, down and up by turns, until nothing is new; of count lanes. What was
- * just gone through in one direction has nothing new before the other has. */
+static inline ALWAYS_INLINE bool R(has_some)(R(rows) rows) {
+    int32_t some[sizeof(R(rows)) / sizeof(int32_t)];
+    memcpy(some, &rows, sizeof some);
+    return any_set(some, sizeof some / sizeof *some);
+}
+
+/* From the row in the middle up and down; true if rows would reach more on the way back. Both ways
+ * side by side, as every row waits for the one before it. Of even numbers of rows the own one may
+ * be the one below the middle, and the last one above is the empty one. */
+static inline ALWAYS_INLINE bool R(grow_outward)(R(sheet_row) * middle, R(rows) all, int n) {
+    R(rows) more = {0};
+    R(grow_row)(middle, n % 2 ? more : R(entered_from_below)(middle), all, n);
+    for (int k = 1; k <= n / 2; k++) {
+        R(sheet_row) *under = middle + k, *above = middle - k;
+        R(grow_row)(under, R(entered_from_above)(under), all, n);
+        R(grow_row)(above, R(entered_from_below)(above), all, n);
+        more |= R(entered_from_below)(under - 1) & ~under[-1].sheet;
+        more |= R(entered_from_above)(above + 1) & ~above[1].sheet;
+    }
+    return R(has_some)(more & all);
+}
+
+/* The other way. */
+static inline ALWAYS_INLINE bool R(grow_inward)(R(sheet_row) * middle, R(rows) all, int n) {
+    R(rows) more = {0};
+    for (int k = n / 2; k > 0; k--) {
+        R(sheet_row) *under = middle + k - 1, *above = middle - k + 1;
+        R(grow_row)(under, R(entered_from_below)(under), all, n);
+        R(grow_row)(above, R(entered_from_above)(above), all, n);
+    }
+    for (int k = 1; k <= n / 2; k++) {
+        const R(sheet_row) *under = middle + k, *above = middle - k;
+        more |= R(entered_from_above)(under) & ~under->sheet;
+        more |= R(entered_from_below)(above) & ~above->sheet;
+    }
+    return R(has_some)(more & all);
+}
+
+/* From what is reached in the middle on, until nothing is new; of count lanes. */
 static NEVER_INLINE void R(follow_sheets)(R(sheet_rows) * sheets, size_t count, int n) {
-    const R(rows) all = sheets->columns;
-    R(sheet_row) *rows = sheets->rows + 1;
+    R(sheet_row) *rows = sheets->rows + 1, *middle = &rows[(n - 1) / 2];
     for (size_t lane = count; lane < ROW_LANES; lane++)
         for (int k = 0; k < n; k++)
             R(clear_joint_row)(lane, &rows[k]);
-    int first = (n - 1) / 2; /* nothing is reached above that row yet */
-    for (bool again = false;; again = true) {
-        R(rows) grown = {0};
-        for (int k = first; k < n; k++)
-            grown |= R(grow_down)(&rows[k], all, n);
-        if (again && !R(has_grown)(grown))
-            return;
-        grown = (R(rows)){0};
-        for (int k = n - 2; k >= 0; k--)
-            grown |= R(grow_up)(&rows[k], all, n);
-        if (!R(has_grown)(grown))
-            return;
-        first = 0;
-    }
+    for (int k = 0; k < n; k++)
+        R(sort_joints)(&rows[k]);
+    while (R(grow_outward)(middle, sheets->columns, n) &&
+           R(grow_inward)(middle, sheets->columns, n))
+        continue;
 }
 
+#undef ROW_WORDS
+#undef ROW_QUADS
 #undef ROW_LANES
 #undef R
