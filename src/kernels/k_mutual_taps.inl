@@ -23,7 +23,10 @@ static void mutual_batch_finish(mutual_batch *batch, size_t count) {
 
 /* The texels that the map keeps at places inside it. */
 static inline ALWAYS_INLINE vu gather_occluders(const shb_map *map, vi x, vi y) {
+    const size_t stride = map->occluders.stride / sizeof(uint32_t);
     vu texels;
+    if (stride <= (size_t)INT32_MAX / map->info.height)
+        return (vu)vf_gather((const float *)shb_occluder_row(map, 0), y * (int32_t)stride + x);
     for (int lane = 0; lane < WIDE; lane++)
         texels[lane] = shb_occluder_row(map, y[lane])[x[lane]];
     return texels;
