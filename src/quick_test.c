@@ -1,8 +1,9 @@
 /* With u = 2^-24 and d = 2^-53, the units of rounding of float and double, let p be a fragment, o
- * the middle of the batch, |p_i - o_i| <= M_i, |p_i| <= P, and w > 0 the point's own one with w_min
+ * the middle of the box, |p_i - o_i| <= M_i, |p_i| <= P, and w > 0 the point's own one with w_min
  * below it.
  *
- * Ways. p - o is rounded once, relative error u.
+ * Ways. p - o is rounded once, relative error u. The kernel compares rounded ways with a rounded M:
+ * that is made larger by both.
  *
  * A coordinate. Its row r = (row - base * row_w), so that the coordinate is base + X / w with X =
  * r.(p - o) + c and c = r.o + r_3. With S = sum M_i |r_i|, T = S + |c| bounds X. In float each
@@ -38,7 +39,10 @@
  * 64 d N times the same with the coordinates themselves for doubles. As long as error_xy |1 / n.xy|
  * <= 1/4, a slope s = n.zy / n.xy is within 4/3 (error + |s| error_xy) / |n.xy| + 2 u |s|. Doubled
  * instead, that leaves room for |n.xy| itself. Runs are slopes times at most half a texel, which
- * has the coordinate's error; and they are rounded to float by both sides, 12 u of the slopes. */
+ * has the coordinate's error; and they are rounded to float by both sides, 12 u of the slopes.
+ * That all of these are less than most_error says that error_xy is small enough, as error_other
+ * over |n.xy| is less then, and that slopes with their errors are below 1, where they are cut off,
+ * as error_slope times the slopes is less. */
 #include "strict.h"
 
 #include "quick_test.h"
@@ -55,14 +59,18 @@
 /* Where sizes end up to which nothing overflows. */
 #define LARGE 0x1p29
 
-/* A batch in double. */
-typedef struct batch {
+/* How far a box goes beyond the batch it is made for, to hold its neighbours, too: a part of the
+ * batch's size. */
+#define GROWTH 0.25
+
+/* A box in double. */
+typedef struct box {
     const double *row_w;
     double origin[3], reach[3], largest; /* o, M, P */
     double w, w_growth;                  /* w_o, S_w */
     double inverse;                      /* of w_min */
     bool affine;
-} batch;
+} box;
 
 static double sum3(const double *v) {
     return fabs(v[0]) + fabs(v[1]) + fabs(v[2]);
@@ -73,7 +81,7 @@ static double row_at(const double *row, const double *v) {
 }
 
 /* How much a row's product with the ways from the origin may be. */
-static double growth(const batch *b, const double *row) {
+static double growth(const box *b, const double *row) {
     return fabs(row[0]) * b->reach[0] + fabs(row[1]) * b->reach[1] + fabs(row[2]) * b->reach[2];
 }
 
@@ -87,14 +95,19 @@ static double nearest_integer(double value) {
     return (value + 0x1.8p52) - 0x1.8p52;
 }
 
-static bool start_batch(const shb_map *map, const shb_quick_extent *extent, batch *b) {
+static bool start_box(const shb_map *map, const shb_quick_extent *extent, double growth_of_size,
+                      box *b) {
+    double size = 0;
+    for (int i = 0; i < 3; i++)
+        size = larger((double)extent->most[i] - (double)extent->least[i], size);
     b->row_w = map->rows.w;
     b->affine = map->projection.affine;
     b->largest = 0;
     for (int i = 0; i < 3; i++) {
         const double least = (double)extent->least[i], most = (double)extent->most[i];
         b->origin[i] = (double)(float)(0.5 * (least + most));
-        b->reach[i] = larger(most - b->origin[i], b->origin[i] - least) * (1 + 2 * U);
+        b->reach[i] = larger(most - b->origin[i], b->origin[i] - least) + growth_of_size * size;
+        b->reach[i] *= 1 + 4 * U;
         b->largest = larger(fabs(b->origin[i]) + b->reach[i], b->largest);
     }
     b->w = row_at(b->row_w, b->origin);
@@ -109,7 +122,7 @@ typedef struct coordinate {
     double base, reach, error;
 } coordinate;
 
-static coordinate coordinate_row(const batch *b, const double *row, double base, shb_quick_row to) {
+static coordinate coordinate_row(const box *b, const double *row, double base, shb_quick_row to) {
     double r[4], sizes[4];
     for (int i = 0; i < 4; i++)
         r[i] = row[i] - base * b->row_w[i];
@@ -128,7 +141,7 @@ static coordinate coordinate_row(const batch *b, const double *row, double base,
 }
 
 /* A texel coordinate: counted from the centre of the origin's texel. */
-static coordinate texel_row(const batch *b, const double *row, shb_quick_row to) {
+static coordinate texel_row(const box *b, const double *row, shb_quick_row to) {
     const double own = row_at(row, b->origin) / b->w;
     return coordinate_row(b, row, nearest_integer(own - 0.5) + 0.5, to);
 }
@@ -178,15 +191,19 @@ static void set_slopes(const shb_projection *p, double normal, const coordinate 
     test->error_xy = (float)(2 * normal * error_xy);
     test->error_other = (float)(2 * normal * (error_zy + error_xz));
     test->error_slope = (float)(larger(x->error, y->error) + 16 * U);
+    test->most_error = fminf(0.49f * test->error_other / test->error_xy, 0.49f * test->error_slope);
 }
 
 bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
                        const shb_quick_extent *extent, shb_quick_test *test) {
-    batch b;
-    if (!start_batch(map, extent, &b))
+    box b;
+    if (!start_box(map, extent, GROWTH, &b) && !start_box(map, extent, 0, &b))
         return false;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         test->origin[i] = (float)b.origin[i];
+        test->reach[i] = (float)(b.reach[i] * (1 - 3 * U));
+    }
+    test->normal = extent->normal * (float)(1 + GROWTH);
     const coordinate x = texel_row(&b, map->rows.x, test->x);
     const coordinate y = texel_row(&b, map->rows.y, test->y);
     test->depth = (float)(row_at(map->rows.z, b.origin) / b.w);
@@ -210,7 +227,7 @@ bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
     const double rounding = 8 * U * (1 + fabs(z.base) + z.reach + epsilon) + 64 * U * epsilon;
     test->error = (float)((z.error + rounding) * (1 + 0x1p-20));
     if (bias->plane)
-        set_slopes(&map->projection, (double)extent->normal, &x, &y, &z, test);
+        set_slopes(&map->projection, (double)test->normal, &x, &y, &z, test);
     return true;
 }
 

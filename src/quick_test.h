@@ -13,6 +13,17 @@ typedef struct shb_quick_bias {
     double epsilon[3];
 } shb_quick_bias;
 
+/* Positions and normals of a batch. */
+typedef struct shb_quick_points {
+    const float *position[3], *normal[3]; /* those of x, y and z */
+    /* A host's triples without gaps in place of arrays: a whole batch of them. What comes after it
+     * is asked for meanwhile, as no processor would go on with the streams by itself: from these
+     * places on, in arrays of as many elements, that of the answers last. */
+    bool packed;
+    const float *next_position, *next_normal;
+    float *next_visibility;
+} shb_quick_points;
+
 /* Where the fragments of a batch lie, and the largest element of a normal. */
 typedef struct shb_quick_extent {
     float least[3], most[3], normal;
@@ -21,10 +32,12 @@ typedef struct shb_quick_extent {
 /* Row times (way from the origin, 1). */
 typedef float shb_quick_row[4];
 
-/* What the lanes of a batch have in common. x and y are counted from the centre of the texel
+/* What fragments have in common that lie in a box. x and y are counted from the centre of the texel
  * (texel_x, texel_y) on, and z from depth on. */
 typedef struct shb_quick_test {
-    float origin[3];
+    bool known;                /* else the next batch says where it is to be made for */
+    float origin[3], reach[3]; /* of the box: its middle and half of its size */
+    float normal;              /* the largest element of a normal */
     shb_quick_row x, y, z, w;
     int32_t texel_x, texel_y;
     float depth, farthest;
@@ -33,15 +46,15 @@ typedef struct shb_quick_test {
      * error from equality. */
     float sure, error;
     /* The elements that a plane's slopes are made of, as in k_project.inl, and by what their
-     * errors count: as 1 / n.xy, as the slopes over it, as the slopes. */
+     * errors count: as 1 / n.xy, as the slopes over it, as the slopes; and how much that may be. */
     float xy[3], zy[3], xz[3], xw[3], yw[3], zw[3];
-    float error_xy, error_other, error_slope;
+    float error_xy, error_other, error_slope, most_error;
 } shb_quick_test;
 
 /* False: the test does not know the method, or this map. */
 bool shb_quick_bias_of(const shb_map *map, const shb_bias *bias, shb_quick_bias *quick);
 
-/* False: nothing is sure in this batch. */
+/* For a batch, and others that lie near. False: nothing is sure there. */
 bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
                        const shb_quick_extent *extent, shb_quick_test *test);
 

@@ -33,6 +33,7 @@ typedef struct workspace {
     shb_fragment_batch batch;
     shb_lifted_points lifted; /* for a smooth terminator */
     shb_receivers receivers;
+    shb_quick_test tests[SHB_LIGHTS_MAX];
     shb_lighting lighting[SHB_LIGHTS_MAX];
     SHB_ALIGN float red[SHB_BATCH];
     float green[SHB_BATCH];
@@ -143,7 +144,7 @@ static void ask_light(const shading *job, size_t k, size_t count, workspace *wor
     const shb_own_triangles own = {fragments->id, fragments->weight_1, fragments->weight_2};
     const bool lifted = job->desc->smooth_terminator;
     shb_visibility_batch(light->map, light->bias, &job->filters[k], count, lifted,
-                         lifted ? NULL : &own, &work->receivers, visibility);
+                         lifted ? NULL : &own, &work->tests[k], &work->receivers, visibility);
     for (size_t i = count; i % SHB_LANES; i++)
         visibility[i] = visibility[count - 1];
     job->kernels->lighting(&job->lights[k], (uint32_t)k, count, &work->batch.fragments,
@@ -217,6 +218,8 @@ static void shade_block(void *arg, size_t index) {
     workspace work;
     shb_fragment_reader_init(&work.reader, job->kernels, frame, &job->view, left);
     shb_fragments_clear(&work.batch);
+    for (size_t k = 0; k < job->desc->light_count; k++)
+        work.tests[k].known = false;
     for (uint32_t row = top; row < bottom; row++) {
         const shb_fragment_span span = {row, left, right};
         if (job->desc->image.pixels)

@@ -4,6 +4,7 @@
 #include "kernels/shade.h"
 #include "kernels/sheets.h"
 #include "lists.h"
+#include "packed_points.h"
 #include "prepare.h"
 #include "project.h"
 #include "stages.h"
@@ -107,9 +108,9 @@ static void light_all(size_t count, float *visibility) {
         visibility[i] = 1;
 }
 
-static void ask_filter(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
-                       size_t count, bool lifted, const shb_own_triangles *own,
-                       shb_receivers *receivers, float *visibility) {
+void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
+                            size_t count, bool lifted, const shb_own_triangles *own,
+                            shb_receivers *receivers, float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
     const shb_bias_args bias_args = {count, bias, &map->info, receivers, kernels};
     const shb_filter_args filter_args = {
@@ -139,21 +140,28 @@ static void ask_filter(const shb_map *map, const shb_bias *bias, const shb_filte
     filter->filter(&filter_args);
 }
 
+/* Of arrays. */
+static shb_quick_points points_of(const shb_receivers *r) {
+    return (shb_quick_points){.position = {r->x, r->y, r->z},
+                              .normal = {r->normal_x, r->normal_y, r->normal_z}};
+}
+
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, bool lifted, const shb_own_triangles *own,
-                          shb_receivers *receivers, float *visibility) {
+                          shb_quick_test *test, shb_receivers *receivers, float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
+    const shb_quick_points points = points_of(receivers);
     SHB_ALIGN float asked[SHB_BATCH];
     uint16_t doubtful[SHB_BATCH];
     shb_quick_bias quick;
     size_t left = SIZE_MAX;
     if (kernels->quick && filter->filter == shb_hard_test && shb_quick_bias_of(map, bias, &quick))
-        left = kernels->quick(map, &quick, count, receivers, visibility, doubtful);
+        left = kernels->quick(map, &quick, count, &points, test, visibility, doubtful);
     if (left == SIZE_MAX) {
-        ask_filter(map, bias, filter, count, lifted, own, receivers, visibility);
+        shb_visibility_in_full(map, bias, filter, count, lifted, own, receivers, visibility);
     } else if (left > 0) {
         shb_receivers_pick(receivers, doubtful, left, quick.plane, receivers);
-        ask_filter(map, bias, filter, left, lifted, NULL, receivers, asked);
+        shb_visibility_in_full(map, bias, filter, left, lifted, NULL, receivers, asked);
         for (size_t i = 0; i < left; i++)
             visibility[doubtful[i]] = asked[i];
     }
@@ -258,9 +266,15 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
     const bool with_normals = needs_normals(map, bias, filter);
     shb_receivers batch;
     SHB_ALIGN float batch_visibility[SHB_BATCH];
+    shb_quick_test test = {.known = false};
+    shb_packed_points packed;
+    const bool is_packed = shb_packed_points_init(&packed, map, points, bias, filter, visibility);
     for (size_t first = 0; first < points->count; first += SHB_BATCH) {
         const size_t left = points->count - first;
         const size_t count = left < SHB_BATCH ? left : SHB_BATCH;
+        const bool is_tried = is_packed && count == SHB_BATCH;
+        if (is_tried && shb_packed_points_ask(&packed, first))
+            continue;
         load(kernels, points->positions, position_stride, first, count, batch.x, batch.y, batch.z);
         prefetch(points->positions, position_stride, first + count, points->count);
         if (with_normals) {
@@ -269,10 +283,14 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
             prefetch(points->normals, normal_stride, first + count, points->count);
         }
         const shb_own_triangles own = own_from(&points->own, first);
-        shb_visibility_batch(map, bias, filter ? filter : &hard, count, false, &own, &batch,
-                             batch_visibility);
+        if (is_tried)
+            shb_visibility_in_full(map, bias, &hard, count, false, &own, &batch, batch_visibility);
+        else
+            shb_visibility_batch(map, bias, filter ? filter : &hard, count, false, &own, &test,
+                                 &batch, batch_visibility);
         memcpy(visibility + first, batch_visibility, count * sizeof *visibility);
     }
+    shb_packed_points_end(&packed);
     return SHB_OK;
 }
 

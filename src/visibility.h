@@ -3,6 +3,7 @@
 #define SRC_VISIBILITY_H
 
 #include "map.h"
+#include "quick_test.h"
 
 /* Checks that the map can answer the method and the filter; has_normals: the fragments come with
  * normals. Failures are logged in the name of caller. */
@@ -15,9 +16,15 @@ shb_result shb_points_check(const shb_context *context, const char *caller,
 
 /* One batch that passed the check. receivers holds positions and, if the method needs them, normals
  * of either side, up to the count rounded up to whole vectors; the rest of it is written here.
- * lifted: the positions were moved off their surface. own: of the batch, or NULL. */
+ * lifted: the positions were moved off their surface. own: of the batch, or NULL. test: of the
+ * batch before, by the same map and method, or not known. */
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, bool lifted, const shb_own_triangles *own,
-                          shb_receivers *receivers, float *visibility);
+                          shb_quick_test *test, shb_receivers *receivers, float *visibility);
+
+/* The same without the quick test. */
+void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
+                            size_t count, bool lifted, const shb_own_triangles *own,
+                            shb_receivers *receivers, float *visibility);
 
 #endif

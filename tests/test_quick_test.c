@@ -187,6 +187,119 @@ TEST(quick_test_says_what_doubles_say_of_numbers_that_are_none) {
     free(c);
 }
 
+/* Batch by batch a part of the scene: beside the batch before, or far from it; with normals that
+ * grow. */
+static void place_in_parts(quick_case *c, double scale, test_random *random) {
+    static const double parts[][4] = {{0, 0, 0, 1},        {0.05, 0, 0.02, 1.1}, {0.08, 0.1, 0, 4},
+                                      {-0.9, 0.8, 0.7, 1}, {-0.9, 0.8, 0.9, 9},  {0.9, 0, -0.5, 1}};
+    place_points(c, (shb_vec3){0, 0, 0}, scale / 8, random);
+    for (int i = 0; i < 3 * POINTS; i++) {
+        const double *part = parts[i / 3 / SHB_BATCH];
+        c->positions[i] += (float)(scale * part[i % 3]);
+        c->normals[i] *= (float)part[3];
+    }
+}
+
+static unsigned count_strided_differences(const shb_map *map, const shb_bias *bias, quick_case *c) {
+    static float spread[2][5 * POINTS];
+    const size_t stride = 5 * sizeof(float);
+    for (size_t i = 0; i < POINTS; i++) {
+        memcpy(spread[0] + 5 * i, c->positions + 3 * i, 3 * sizeof(float));
+        memcpy(spread[1] + 5 * i, c->normals + 3 * i, 3 * sizeof(float));
+    }
+    const shb_points points = {.count = POINTS,
+                               .positions = spread[0],
+                               .normals = spread[1],
+                               .position_stride = stride,
+                               .normal_stride = stride};
+    unsigned wrong = 0;
+    CHECK_INT(shb_map_visibility(map, &points, bias, NULL, c->quick), SHB_OK);
+    for (int i = 0; i < POINTS; i++)
+        wrong += c->quick[i] != c->expected[i];
+    return wrong;
+}
+
+TEST(quick_test_says_what_doubles_say_from_batch_to_batch) {
+    quick_case *c = malloc(sizeof *c);
+    test_random random = {33};
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa))
+        for (int kind = 0; kind < VIEWS; kind++) {
+            shb_context *context = test_context(1, isa);
+            shb_map_desc desc = {.width = MAP};
+            shb_map *map = NULL;
+            CHECK_INT(make_view(kind, (shb_vec3){0, 0, 0}, 1, &desc.view), SHB_OK);
+            CHECK_INT(shb_map_wrap(context, &desc, c->depths, 0, NULL, &map), SHB_OK);
+            for (int number = 0; number < BIASES; number++) {
+                const shb_bias bias = make_bias(number, 1);
+                place_in_parts(c, 1, &random);
+                fill_at_random(c, desc.view.reversed, &random);
+                CHECK_INT(count_differences(map, &bias, c), 0);
+                CHECK_INT(count_strided_differences(map, &bias, c), 0);
+                fill_with_own_depths(c, desc.view.reversed, &random);
+                CHECK_INT(count_differences(map, &bias, c), 0);
+                CHECK_INT(count_strided_differences(map, &bias, c), 0);
+            }
+            shb_map_destroy(map);
+            shb_context_destroy(context);
+        }
+    free(c);
+}
+
+typedef struct quick_batch {
+    SHB_ALIGN float positions[3][SHB_BATCH], normals[3][SHB_BATCH];
+    float visibility[SHB_BATCH];
+    uint16_t doubtful[SHB_BATCH];
+} quick_batch;
+
+/* A cube of points, 0.1 to each side of (x, 0, 0). */
+static size_t ask_cube(const shb_map *map, const shb_shade_kernels *kernels, float x, float normal,
+                       shb_quick_test *test) {
+    quick_batch batch;
+    test_random random = {34};
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < SHB_BATCH; i++) {
+            batch.positions[k][i] = (float)random_double(&random, -0.1, 0.1) + (k == 0 ? x : 0);
+            batch.normals[k][i] = normal;
+        }
+    const shb_quick_bias bias = {.plane = true, .epsilon = {1e-4}};
+    const shb_quick_points points = {
+        .position = {batch.positions[0], batch.positions[1], batch.positions[2]},
+        .normal = {batch.normals[0], batch.normals[1], batch.normals[2]}};
+    return kernels->quick(map, &bias, SHB_BATCH, &points, test, batch.visibility, batch.doubtful);
+}
+
+/* A box of 0.3 around the first batch, its size of 0.2 and a quarter to each side. */
+TEST(quick_test_serves_batches_in_its_box) {
+    static float depths[MAP * MAP];
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa)) {
+        shb_context *context = test_context(1, isa);
+        const shb_shade_kernels *kernels = context->shade_kernels;
+        shb_map_desc desc = {.width = MAP};
+        shb_map *map = NULL;
+        CHECK_INT(make_view(0, (shb_vec3){0, 0, 0}, 1, &desc.view), SHB_OK);
+        CHECK_INT(shb_map_wrap(context, &desc, depths, 0, NULL, &map), SHB_OK);
+        shb_quick_test test = {.known = false};
+        if (kernels->quick) {
+            CHECK(ask_cube(map, kernels, 0, 0.5f, &test) < 8);
+            CHECK(test.known);
+            const float origin = test.origin[0];
+            CHECK(fabsf(test.reach[0] - 0.15f) < 0.005f);
+            CHECK(ask_cube(map, kernels, 0.04f, 0.5f, &test) < 8);
+            CHECK(test.origin[0] == origin);
+            CHECK(ask_cube(map, kernels, 0.04f, 0.7f, &test) < 8);
+            CHECK(test.origin[0] > origin + 0.03f && test.normal > 0.7f);
+            CHECK(ask_cube(map, kernels, -0.5f, 0.5f, &test) < 8);
+            CHECK(test.origin[0] < -0.4f && test.normal < 0.7f);
+            CHECK(ask_cube(map, kernels, NAN, 0.5f, &test) == SHB_BATCH);
+            CHECK(!test.known);
+        }
+        shb_map_destroy(map);
+        shb_context_destroy(context);
+    }
+}
+
 /* A slanted floor, lit and in shadow by turns: the bounds leave little to be asked again. */
 TEST(quick_test_is_sure_of_nearly_all_fragments) {
     static float depths[1024 * 1024];
@@ -212,9 +325,12 @@ TEST(quick_test_is_sure_of_nearly_all_fragments) {
                 r.normal_z[i] = 0.1f;
             }
             const shb_quick_bias bias = {.plane = true, .epsilon = {1e-4}};
+            const shb_quick_points points = {.position = {r.x, r.y, r.z},
+                                             .normal = {r.normal_x, r.normal_y, r.normal_z}};
+            shb_quick_test test = {.known = false};
             if (context->shade_kernels->quick)
-                CHECK(context->shade_kernels->quick(map, &bias, SHB_BATCH, &r, visibility,
-                                                    doubtful) < 8);
+                CHECK(context->shade_kernels->quick(map, &bias, SHB_BATCH, &points, &test,
+                                                    visibility, doubtful) < 8);
             shb_map_destroy(map);
             shb_context_destroy(context);
         }

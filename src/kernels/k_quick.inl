@@ -1,39 +1,49 @@
 /* The hard test in float: quick_test.c derives what is sure. */
 
+/* Positions or normals from number i on. */
+static inline ALWAYS_INLINE void read_points(const float *const from[3], bool packed, size_t i,
+                                             vf v[3]) {
+    if (packed)
+        vf_read_triples(from[0] + 3 * i, v);
+    else
+        for (int k = 0; k < 3; k++)
+            v[k] = vf_load(from[k] + i);
+}
+
 /* The least and the most of each coordinate. NaN are left out: they are never sure. INFINITY and
  * -INFINITY if all are. */
-static inline ALWAYS_INLINE void find_ranges(size_t lanes, const float *x, const float *y,
-                                             const float *z, float least[3], float most[3]) {
-    const float *const from[3] = {x, y, z};
+static inline ALWAYS_INLINE void find_ranges(size_t lanes, const float *const from[3], bool packed,
+                                             float least[3], float most[3]) {
     vf low[3], high[3];
     for (int k = 0; k < 3; k++) {
         low[k] = vf_splat(INFINITY);
         high[k] = vf_splat(-INFINITY);
     }
-    for (size_t i = 0; i < lanes; i += WIDE)
+    for (size_t i = 0; i < lanes; i += WIDE) {
+        vf v[3];
+        read_points(from, packed, i, v);
         for (int k = 0; k < 3; k++) {
-            low[k] = vf_min(vf_load(from[k] + i), low[k]);
-            high[k] = vf_max(vf_load(from[k] + i), high[k]);
+            low[k] = vf_min(v[k], low[k]);
+            high[k] = vf_max(v[k], high[k]);
         }
+    }
     for (int k = 0; k < 3; k++) {
         least[k] = vf_least(low[k]);
         most[k] = -vf_least(-high[k]);
     }
 }
 
-static inline ALWAYS_INLINE float largest_element(size_t lanes, const shb_receivers *r) {
-    float least[3], most[3], largest = 0;
-    find_ranges(lanes, r->normal_x, r->normal_y, r->normal_z, least, most);
-    for (int k = 0; k < 3; k++)
-        largest = fmaxf(largest, fmaxf(-least[k], most[k]));
-    return largest;
-}
-
-static inline ALWAYS_INLINE shb_quick_extent extent_of(size_t count, bool plane,
-                                                       const shb_receivers *r) {
+static NEVER_INLINE shb_quick_extent extent_of(size_t count, bool plane,
+                                               const shb_quick_points *points) {
     const size_t lanes = shb_round_to_lanes(count);
-    shb_quick_extent extent = {.normal = plane ? largest_element(lanes, r) : 0};
-    find_ranges(lanes, r->x, r->y, r->z, extent.least, extent.most);
+    float least[3], most[3];
+    shb_quick_extent extent = {.normal = 0};
+    find_ranges(lanes, points->position, points->packed, extent.least, extent.most);
+    if (!plane)
+        return extent;
+    find_ranges(lanes, points->normal, points->packed, least, most);
+    for (int k = 0; k < 3; k++)
+        extent.normal = fmaxf(extent.normal, fmaxf(-least[k], most[k]));
     return extent;
 }
 
@@ -54,18 +64,15 @@ static inline ALWAYS_INLINE vf split_texel(vf value, int32_t first, vi *texel) {
 }
 
 /* The depth of the plane from the fragment to the texel's centre, and its error. */
-static inline ALWAYS_INLINE vf quick_run(const shb_quick_test *t, bool affine,
-                                         const shb_receivers *r, size_t i, vf x, vf y, vf z,
-                                         vf to_center_x, vf to_center_y, vf *error) {
-    const vf nx = vf_load(r->normal_x + i), ny = vf_load(r->normal_y + i);
-    const vf nz = vf_load(r->normal_z + i);
-    vf xy = quick_dot(t->xy, nx, ny, nz);
-    vf zy = quick_dot(t->zy, nx, ny, nz);
-    vf xz = quick_dot(t->xz, nx, ny, nz);
+static inline ALWAYS_INLINE vf quick_run(const shb_quick_test *t, bool affine, const vf n[3], vf x,
+                                         vf y, vf z, vf to_center_x, vf to_center_y, vf *error) {
+    vf xy = quick_dot(t->xy, n[0], n[1], n[2]);
+    vf zy = quick_dot(t->zy, n[0], n[1], n[2]);
+    vf xz = quick_dot(t->xz, n[0], n[1], n[2]);
     if (!affine) {
-        const vf xw = quick_dot(t->xw, nx, ny, nz);
-        const vf yw = quick_dot(t->yw, nx, ny, nz);
-        const vf zw = quick_dot(t->zw, nx, ny, nz);
+        const vf xw = quick_dot(t->xw, n[0], n[1], n[2]);
+        const vf yw = quick_dot(t->yw, n[0], n[1], n[2]);
+        const vf zw = quick_dot(t->zw, n[0], n[1], n[2]);
         xy = xy - y * xw + x * yw;
         zy = zy - y * zw + z * yw;
         xz = xz - z * xw + x * zw;
@@ -73,9 +80,7 @@ static inline ALWAYS_INLINE vf quick_run(const shb_quick_test *t, bool affine,
     const vf inverse = 1.0f / xy, size = vf_abs(inverse);
     const vf slope_x = zy * inverse, slope_y = xz * inverse;
     const vf slopes = vf_abs(slope_x) + vf_abs(slope_y);
-    const vf slopes_error = size * (t->error_other + slopes * t->error_xy);
-    const vi is_sure = (size * t->error_xy < 0.5f) & (slopes + slopes_error < 0.99f);
-    *error = vf_where(is_sure, slopes_error + slopes * t->error_slope, vf_splat(INFINITY));
+    *error = size * (t->error_other + slopes * t->error_xy) + slopes * t->error_slope;
     return slope_x * to_center_x + slope_y * to_center_y;
 }
 
@@ -92,31 +97,56 @@ static inline ALWAYS_INLINE size_t add_doubtful(uint32_t lanes, size_t i, size_t
 
 /* What fragments are compared with, at which texel. */
 typedef struct quick_receivers {
-    SHB_ALIGN int32_t place[SHB_BATCH];
+    SHB_ALIGN uint32_t place[SHB_BATCH];
     float ref[SHB_BATCH]; /* from the test's depth on; NaN: not sure, -infinity: outside the map */
     float error[SHB_BATCH];
 } quick_receivers;
 
-/* Asks for the texels, too: they lie anywhere in memory. */
-static inline ALWAYS_INLINE void project_quickly(const shb_map *map, const shb_quick_test *test,
-                                                 bool affine, bool plane, size_t count,
-                                                 const shb_receivers *restrict r,
+/* Asks for what the next batch reads and writes at the places that it keeps these lanes at. */
+static inline ALWAYS_INLINE void prefetch_next_batch(const shb_quick_points *points, bool plane,
+                                                     size_t i) {
+    enum { LINE = 64 / sizeof(float) };
+    if (i % LINE)
+        return;
+    for (size_t k = 0; k < 3 * LINE; k += LINE)
+        __builtin_prefetch(points->next_position + 3 * i + k);
+    for (size_t k = 0; plane && k < 3 * LINE; k += LINE)
+        __builtin_prefetch(points->next_normal + 3 * i + k);
+    __builtin_prefetch(points->next_visibility + i, 1);
+}
+
+/* Larger elements so far. NaN are left out. */
+static inline ALWAYS_INLINE void keep_largest(const vf v[3], vf largest[3]) {
+    for (int k = 0; k < 3; k++)
+        largest[k] = vf_max(vf_abs(v[k]), largest[k]);
+}
+
+/* Asks for the texels, too: they lie anywhere in memory. False: some fragments lie outside of the
+ * test's box. */
+static inline ALWAYS_INLINE bool project_quickly(const shb_map *map, const shb_quick_test *test,
+                                                 bool affine, bool plane, bool packed, size_t count,
+                                                 const shb_quick_points *points,
                                                  quick_receivers *restrict out) {
     const shb_quick_test t = *test;
+    const shb_quick_points from = *points;
     const float *texels = map->depth.texels;
     const uint32_t stride = (uint32_t)(map->depth.stride / 4);
     const uint32_t width = map->info.width, height = map->info.height;
-    const float ox = t.origin[0], oy = t.origin[1], oz = t.origin[2];
-    const vf outside = vf_splat(-INFINITY), unsure = vf_splat(NAN);
+    vf ways[3] = {{0}}, largest[3] = {{0}};
     for (size_t i = 0; i < count; i += WIDE) {
-        const vf px = vf_load(r->x + i) - ox, py = vf_load(r->y + i) - oy;
-        const vf pz = vf_load(r->z + i) - oz;
-        vf x = quick_dot(t.x, px, py, pz) + t.x[3];
-        vf y = quick_dot(t.y, px, py, pz) + t.y[3];
-        vf z = quick_dot(t.z, px, py, pz) + t.z[3];
+        vf p[3];
+        if (packed)
+            prefetch_next_batch(&from, plane, i);
+        read_points(from.position, packed, i, p);
+        for (int k = 0; k < 3; k++)
+            p[k] -= t.origin[k];
+        keep_largest(p, ways);
+        vf x = quick_dot(t.x, p[0], p[1], p[2]) + t.x[3];
+        vf y = quick_dot(t.y, p[0], p[1], p[2]) + t.y[3];
+        vf z = quick_dot(t.z, p[0], p[1], p[2]) + t.z[3];
         vf epsilon = vf_splat(t.epsilon[0]);
         if (!affine) {
-            const vf inverse = 1.0f / (quick_dot(t.w, px, py, pz) + t.w[3]);
+            const vf inverse = 1.0f / (quick_dot(t.w, p[0], p[1], p[2]) + t.w[3]);
             x *= inverse;
             y *= inverse;
             z *= inverse;
@@ -126,20 +156,27 @@ static inline ALWAYS_INLINE void project_quickly(const shb_map *map, const shb_q
         const vf center_x = split_texel(x, t.texel_x, &texel_x);
         const vf center_y = split_texel(y, t.texel_y, &texel_y);
         /* Both ways are NaN or none. */
-        const vi is_sure = vf_max(vf_abs(center_x), vf_abs(center_y)) < t.sure;
+        vi unsure = ~(vf_max(vf_abs(center_x), vf_abs(center_y)) < t.sure);
         const vi inside = (vi)((vu)texel_x < width) & (vi)((vu)texel_y < height);
-        const vi place = inside & (vi)((vu)texel_y * stride + (vu)texel_x);
-        vi_store(out->place + i, place);
+        const vu place = (vu)inside & (vu_times_short((vu)texel_y, stride) + (vu)texel_x);
+        memcpy(out->place + i, &place, sizeof place);
         for (size_t lane = i; lane < i + WIDE; lane++)
             __builtin_prefetch(texels + out->place[lane]);
         if (plane) {
-            vf error;
-            z += quick_run(&t, affine, r, i, x, y, z, center_x, center_y, &error);
+            vf n[3], error;
+            read_points(from.normal, packed, i, n);
+            keep_largest(n, largest);
+            z += quick_run(&t, affine, n, x, y, z, center_x, center_y, &error);
+            unsure |= ~(error < t.most_error);
             vf_store(out->error + i, error + t.error);
         }
-        const vf ref = vf_min(vf_splat(t.farthest), z - epsilon);
-        vf_store(out->ref + i, vf_where(is_sure, vf_where(inside, ref, outside), unsure));
+        const vf most = vf_where(inside, vf_splat(t.farthest), vf_splat(-INFINITY));
+        vf_store(out->ref + i, (vf)((vi)vf_min(most, z - epsilon) | unsure));
     }
+    vi beyond = {0};
+    for (int k = 0; k < 3; k++)
+        beyond |= (ways[k] > t.reach[k]) | (largest[k] > t.normal);
+    return !vi_any(beyond);
 }
 
 static inline ALWAYS_INLINE size_t compare_quickly(const shb_map *map, const shb_quick_test *test,
@@ -152,10 +189,7 @@ static inline ALWAYS_INLINE size_t compare_quickly(const shb_map *map, const shb
     const vf one = vf_splat(1.0f);
     size_t found = 0;
     for (size_t i = 0; i < count; i += WIDE) {
-        float texel[WIDE];
-        for (int lane = 0; lane < WIDE; lane++)
-            texel[lane] = texels[r->place[i + (size_t)lane]];
-        const vf stored = sign * vf_load(texel);
+        const vf stored = sign * vf_read(texels, r->place + i);
         const vf difference = (stored - depth) - vf_load(r->ref + i);
         const vf error = plane ? vf_load(r->error + i) : vf_splat(test->error);
         vf_store(visibility + i, vf_keep(~(difference < 0.0f), one));
@@ -164,26 +198,44 @@ static inline ALWAYS_INLINE size_t compare_quickly(const shb_map *map, const shb
     return found;
 }
 
-static inline ALWAYS_INLINE size_t test_lanes_quickly(const shb_map *map,
-                                                      const shb_quick_test *test, bool affine,
-                                                      bool plane, size_t count,
-                                                      const shb_receivers *r, float *visibility,
-                                                      uint16_t *doubtful) {
-    quick_receivers projected;
-    project_quickly(map, test, affine, plane, count, r, &projected);
-    return compare_quickly(map, test, plane, count, &projected, visibility, doubtful);
+static inline ALWAYS_INLINE bool project_points(const shb_map *map, const shb_quick_test *test,
+                                                bool affine, bool plane, size_t count,
+                                                const shb_quick_points *points,
+                                                quick_receivers *projected) {
+    return points->packed
+               ? project_quickly(map, test, affine, plane, true, count, points, projected)
+               : project_quickly(map, test, affine, plane, false, count, points, projected);
 }
 
-static size_t test_quickly(const shb_map *map, const shb_quick_bias *bias, size_t count,
-                           const shb_receivers *r, float *visibility, uint16_t *doubtful) {
-    const shb_quick_extent extent = extent_of(count, bias->plane, r);
-    shb_quick_test t;
-    if (!can_gather(map) || !shb_quick_test_of(map, bias, &extent, &t))
-        return SIZE_MAX;
+static bool project_any(const shb_map *map, const shb_quick_test *test, bool plane, size_t count,
+                        const shb_quick_points *points, quick_receivers *projected) {
     if (map->projection.affine)
-        return bias->plane
-                   ? test_lanes_quickly(map, &t, true, true, count, r, visibility, doubtful)
-                   : test_lanes_quickly(map, &t, true, false, count, r, visibility, doubtful);
-    return bias->plane ? test_lanes_quickly(map, &t, false, true, count, r, visibility, doubtful)
-                       : test_lanes_quickly(map, &t, false, false, count, r, visibility, doubtful);
+        return plane ? project_points(map, test, true, true, count, points, projected)
+                     : project_points(map, test, true, false, count, points, projected);
+    return plane ? project_points(map, test, false, true, count, points, projected)
+                 : project_points(map, test, false, false, count, points, projected);
+}
+
+/* A test that leaves more than one in so many in doubt is made anew for the next batch. */
+enum { DOUBTFUL_FEW = 32 };
+
+static size_t test_quickly(const shb_map *map, const shb_quick_bias *bias, size_t count,
+                           const shb_quick_points *points, shb_quick_test *test, float *visibility,
+                           uint16_t *doubtful) {
+    const bool plane = bias->plane;
+    quick_receivers projected;
+    if (!can_gather(map) || map->depth.stride / 4 > INT16_MAX)
+        return SIZE_MAX;
+    if (!test->known || !project_any(map, test, plane, count, points, &projected)) {
+        const shb_quick_extent extent = extent_of(count, plane, points);
+        test->known = shb_quick_test_of(map, bias, &extent, test);
+        if (!test->known)
+            return SIZE_MAX;
+        project_any(map, test, plane, count, points, &projected);
+    }
+    const size_t found =
+        plane ? compare_quickly(map, test, true, count, &projected, visibility, doubtful)
+              : compare_quickly(map, test, false, count, &projected, visibility, doubtful);
+    test->known = found <= count / DOUBTFUL_FEW;
+    return found;
 }

@@ -51,9 +51,11 @@ typedef struct shb_shade_kernels {
 
     /* The hard test after projection and bias where float is sure of it: writes the visibility of
      * all fragments, and the numbers of those whose is not to be trusted; returns how many these
-     * are, SIZE_MAX if it is not made for the map or sees nothing to be sure of. NULL: none. */
+     * are, SIZE_MAX if it is not made for the map or sees nothing to be sure of. test: of the batch
+     * before, or not known; what serves this batch is left there. NULL: none. */
     size_t (*quick)(const shb_map *map, const shb_quick_bias *bias, size_t count,
-                    const shb_receivers *receivers, float *visibility, uint16_t *doubtful);
+                    const shb_quick_points *points, shb_quick_test *test, float *visibility,
+                    uint16_t *doubtful);
 
     /* Planes of count triangles, rounded up to whole vectors; transform: of their corners to the
      * world, or NULL. */

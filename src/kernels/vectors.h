@@ -178,6 +178,15 @@ static inline vf vf_gather(const float *base, vi index) {
 }
 #endif
 
+/* Products of numbers below 2^15. */
+static inline vu vu_times_short(vu a, uint32_t b) {
+#if defined(__x86_64__) && WIDE == 4
+    return (vu)_mm_madd_epi16((__m128i)a, _mm_set1_epi32((int32_t)b));
+#else
+    return a * b;
+#endif
+}
+
 /* The floats at indices that lie in memory, which spares taking a vector of them apart. */
 static inline vf vf_read(const float *base, const uint32_t *indices) {
     vf v;
