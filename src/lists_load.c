@@ -5,30 +5,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "clip.h"
 #include "scene.h"
-#include "vector.h"
 
 /* Vertices of a task. */
 enum { VERTICES = 4096 };
-
-static bool is_usable(double value) {
-    return fabs(value) <= SHB_CLIP_MAX;
-}
-
-/* What drawing would leave out as not finite has no inverse_w. */
-static shb_list_vertex project(const shb_list_frame *frame, shb_vec3 p) {
-    const double w = shb_list_row(frame->rows[3], p.x, p.y, p.z);
-    const double x = shb_list_row(frame->rows[0], p.x, p.y, p.z);
-    const double y = shb_list_row(frame->rows[1], p.x, p.y, p.z);
-    const double z = shb_list_row(frame->rows[2], p.x, p.y, p.z);
-    if (!is_usable(x) || !is_usable(y) || !is_usable(z) || !is_usable(w))
-        return (shb_list_vertex){.inverse_w = (double)NAN};
-    if (!(z - frame->near_depth * w >= 0 && w >= SHB_W_MIN))
-        return (shb_list_vertex){0};
-    const double inverse = 1 / w;
-    return (shb_list_vertex){x * inverse, y * inverse, z * inverse, inverse};
-}
 
 /* Meshes without triangles may have no vertices to read. */
 static size_t vertices_of(const shb_mesh *mesh) {
@@ -65,9 +45,35 @@ static uint64_t name_of(const double world[3]) {
     return name;
 }
 
+/* Loads count vertices of an instance, at most SHB_LIST_GROUP, which become those of the scene from
+ * vertex on. What drawing would leave out as not finite has no inverse_w. */
+static void load_vertices(const shb_list_loading *loading, const shb_instance *instance,
+                          size_t number, size_t vertex, size_t count, shb_list_extent *extent) {
+    shb_lists *lists = loading->lists;
+    const shb_mat4 transform = shb_instance_transform(instance);
+    shb_list_places places;
+    shb_list_vertex seen[SHB_LIST_GROUP];
+    for (size_t i = 0; i < SHB_LIST_GROUP; i++) {
+        const size_t from = number + (i < count ? i : count - 1);
+        const float *p = shb_mesh_position(instance->mesh, (uint32_t)from);
+        for (int k = 0; k < 3; k++)
+            places.mesh[k][i] = p[k];
+    }
+    const bool whole = count == SHB_LIST_GROUP;
+    shb_list_kernels_of(lists->context->isa)
+        ->see(&lists->frame, &transform, &places, whole ? loading->vertices + vertex : seen,
+              extent);
+    if (!whole)
+        memcpy(loading->vertices + vertex, seen, count * sizeof *seen);
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++)
+            lists->vertices[vertex + i][k] = places.world[k][i];
+    for (size_t i = 0; loading->names && i < count; i++)
+        loading->names[vertex + i] = name_of(lists->vertices[vertex + i]);
+}
+
 static void load_vertex_run(void *arg, size_t run) {
     const shb_list_loading *loading = arg;
-    shb_lists *lists = loading->lists;
     size_t vertex = run * VERTICES, first;
     const size_t end =
         loading->vertex_count - vertex < VERTICES ? loading->vertex_count : vertex + VERTICES;
@@ -75,22 +81,12 @@ static void load_vertex_run(void *arg, size_t run) {
     shb_list_extent extent = shb_list_extent_none();
     while (vertex < end) {
         const shb_instance *instance = &loading->scene->instances[number++];
-        const shb_mat4 transform = shb_instance_transform(instance);
-        const size_t after = first + vertices_of(instance->mesh);
-        for (; vertex < end && vertex < after; vertex++) {
-            const float *p = shb_mesh_position(instance->mesh, (uint32_t)(vertex - first));
-            const shb_vec3 world = mat4_transform_point(
-                &transform, (shb_vec3){(double)p[0], (double)p[1], (double)p[2]});
-            double *kept = lists->vertices[vertex];
-            kept[0] = world.x;
-            kept[1] = world.y;
-            kept[2] = world.z;
-            const shb_list_vertex seen = project(&lists->frame, world);
-            loading->vertices[vertex] = seen;
-            if (loading->names)
-                loading->names[vertex] = name_of(kept);
-            if (!isnan(seen.inverse_w))
-                shb_list_extent_add(&extent, kept, seen.z, seen.inverse_w > 0);
+        const size_t after = first + vertices_of(instance->mesh), last = after < end ? after : end;
+        while (vertex < last) {
+            const size_t left = last - vertex;
+            const size_t count = left < SHB_LIST_GROUP ? left : SHB_LIST_GROUP;
+            load_vertices(loading, instance, vertex - first, vertex, count, &extent);
+            vertex += count;
         }
         first = after;
     }

@@ -17,6 +17,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "../clip.h"
 #include "lists.h"
 #include "vectors.h"
 
@@ -271,8 +272,10 @@ static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_ve
     return find_cut(frame, &c);
 }
 
+#include "k_list_vertices.inl"
+
 #include "k_list_ask.inl"
 #include "k_list_cover.inl"
 
-const shb_list_kernels LIST_KERNELS = {prepare_triangles, cover_cells, locate_points, take_entries,
-                                       answer_questions};
+const shb_list_kernels LIST_KERNELS = {see_vertices,  prepare_triangles, cover_cells,
+                                       locate_points, take_entries,      answer_questions};

@@ -20,6 +20,15 @@ typedef struct shb_list_vertex {
     double inverse_w; /* 0: in front of the near plane; NaN: not finite, has no triangles */
 } shb_list_vertex;
 
+/* Points or vertices that are looked at together. */
+#define SHB_LIST_GROUP 64
+
+/* A group's vertices in their mesh's and in the world's coordinates. */
+typedef struct shb_list_places {
+    SHB_ALIGN float mesh[3][SHB_LIST_GROUP];
+    double world[3][SHB_LIST_GROUP];
+} shb_list_places;
+
 /* The most that rounding of a point's coordinates may move it in the map where it is told something
  * by sheets, texels. */
 #define SHB_LIST_POINT_MARGIN 0x1p-8
@@ -110,13 +119,11 @@ typedef struct shb_list_cover {
     float bounds[SHB_LIST_TILE * SHB_LIST_TILE]; /* with_sheets: of cells */
 } shb_list_cover;
 
-/* Points that ask at the same time, as the light sees them. */
-#define SHB_LIST_GROUP 64
-
 /* Points of a group that are asked about one triangle at the same time: this many from the first
  * on, one bit each. */
 #define SHB_LIST_RUN 8
 
+/* Points that ask at the same time, as the light sees them. */
 typedef struct shb_list_group {
     const double *world[3];
     SHB_ALIGN double x[SHB_LIST_GROUP];
@@ -147,6 +154,11 @@ typedef struct shb_list_question {
 } shb_list_question;
 
 typedef struct shb_list_kernels {
+    /* Finds where a group's vertices lie in the world and where the light sees them; adds them to
+     * the extent. */
+    void (*see)(const shb_list_frame *frame, const shb_mat4 *transform, shb_list_places *places,
+                shb_list_vertex vertices[SHB_LIST_GROUP], shb_list_extent *extent);
+
     /* Prepares triangles, whose corners are at these vertices; names tell vertices apart by their
      * places in the world. Returns those, one bit each, that
      * have a corner in front of the near plane or too near to the light's own: what is written of
