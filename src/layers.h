@@ -17,6 +17,7 @@ typedef struct shb_layers {
     uint32_t *ids;  /* or slopes, as the target says; NULL: not wanted */
     float *cells;   /* for the kernels: bounds of the depth in squares of SHB_CELL samples */
     uint8_t *marks; /* as in the target, from the first cell on; NULL: not known */
+    bool copied;    /* to the images, of which these are no parts */
 } shb_layers;
 
 /* Layers of columns * rows samples for each of count lanes, in the context's scratch, with what the

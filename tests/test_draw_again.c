@@ -138,11 +138,13 @@ TEST(images_that_are_drawn_again_are_as_new_ones) {
 }
 
 /* One triangle in the left half of two cells. */
+static const float half_corners[9] = {-1, -1, 0.5f, 0, -1, 0.5f, -1, 1, 0.5f};
+static const shb_mesh half_mesh = {
+    .positions = half_corners, .vertex_count = 3, .triangle_count = 1};
+static const shb_instance half_instance = {.mesh = &half_mesh};
+
 TEST(marked_images_are_cleared_where_they_were_drawn_in) {
-    static const float corners[9] = {-1, -1, 0.5f, 0, -1, 0.5f, -1, 1, 0.5f};
-    const shb_mesh mesh = {.positions = corners, .vertex_count = 3, .triangle_count = 1};
-    const shb_instance instance = {.mesh = &mesh};
-    const shb_scene scene = {&instance, 1}, empty = {&instance, 0};
+    const shb_scene scene = {&half_instance, 1}, empty = {&half_instance, 0};
     const shb_view view = {.clip_from_world = shb_mat4_identity()};
     static float depths[16][32];
     const size_t size = shb_clear_marks_size(32, 16);
@@ -165,6 +167,38 @@ TEST(marked_images_are_cleared_where_they_were_drawn_in) {
     memset(marks, 0, size);
     CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
     CHECK(depths[15][31] == 1.0f);
+    shb_context_destroy(context);
+    free(marks);
+}
+
+/* The same where tiles are copied to the image: 0.5 is 32767.5 steps. */
+TEST(marked_images_are_stored_where_they_were_drawn_in) {
+    const shb_scene scene = {&half_instance, 1}, empty = {&half_instance, 0};
+    const shb_view view = {.clip_from_world = shb_mat4_identity()};
+    static uint16_t depths[16][32];
+    const size_t size = shb_clear_marks_size(32, 16);
+    void *marks = allocate(size);
+    shb_draw_desc desc = {.view = &view,
+                          .scene = &scene,
+                          .width = 32,
+                          .height = 16,
+                          .depth = {.texels = depths, .format = SHB_FORMAT_UNORM16},
+                          .clear_marks = marks,
+                          .clear_marks_size = size};
+    shb_context *context = test_context(1, SHB_ISA_BEST);
+    const bool trusts = shb_context_isa(context) != SHB_ISA_SCALAR;
+    for (int i = 0; i < 3; i++) {
+        desc.scene = &scene;
+        CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+        CHECK_INT(depths[15][0], 32768);
+        CHECK_INT(depths[15][31], 65535);
+        desc.scene = &empty;
+        depths[15][31] = 7;
+        CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
+        CHECK_INT(depths[15][0], 65535);
+        CHECK_INT(depths[15][31], trusts ? 7 : 65535);
+        memset(marks, 0, size);
+    }
     shb_context_destroy(context);
     free(marks);
 }

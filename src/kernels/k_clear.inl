@@ -49,7 +49,7 @@ static void clear_marked(const shb_tile *tile, int32_t column, int32_t row, int3
 /* The same with the bounds of the cells. */
 static void clear_cells(const shb_tile *tile, int32_t column, int32_t row, int32_t count) {
     const ptrdiff_t first = row * tile->cell_stride + column;
-    if (tile->marks)
+    if (tile->marks && !tile->copied)
         clear_marked(tile, column, row, MIN(count, (tile->x1 - tile->x0) / SHB_CELL - column));
     else
         clear_layers(tile, column, row, count, false);

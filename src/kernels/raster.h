@@ -17,8 +17,12 @@
 /* Tiles keep a bound of the farthest depth in each square of so many samples. */
 #define SHB_CELL 16
 
-/* The mark of a cell whose images are clear, others are 0: see marks.h. */
-#define SHB_MARK_CLEAR 1
+/* Marks of cells: see marks.h. */
+enum {
+    SHB_MARK_DRAWN = 0,
+    SHB_MARK_CLEAR = 1, /* the images are clear */
+    SHB_MARK_LEFT = 2   /* a tile that is to be copied is clear, the images are not yet */
+};
 
 /* The bound of a cell where nothing has been cleared. */
 #define SHB_NOT_CLEARED 4.0f
@@ -128,6 +132,7 @@ typedef struct shb_tile {
     uint8_t *marks; /* as in the target, from the tile's first cell on */
     ptrdiff_t marks_stride;
     bool has_depth_image; /* otherwise marks say nothing of the depth */
+    bool copied;          /* to the images, of which marks speak */
     int32_t x0, y0, right, x1, y1;
 } shb_tile;
 
@@ -137,7 +142,7 @@ static inline void shb_marks_draw(uint8_t *marks, ptrdiff_t stride, const shb_sa
     for (int32_t row = samples->first_row / SHB_CELL; marks && row <= last_row; row++)
         for (int32_t i = samples->first_column / SHB_CELL; i <= samples->last_column / SHB_CELL;
              i++)
-            marks[row * stride + i] = 0;
+            marks[row * stride + i] = SHB_MARK_DRAWN;
 }
 
 /* Tiles are 2^column_bits samples wide and 2^row_bits high. */
