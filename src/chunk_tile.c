@@ -32,8 +32,11 @@
 /* Up to this many texels in all layers one thread draws straight through: they stay in a cache. So
  * do threads for as large a target where there is a triangle for every few texels, and one thread
  * for any target where there is one for every few texels of each layer. But not a few large
- * triangles one over the other: they would go through the whole map each. */
+ * triangles one over the other: they would go through the whole map each. Threads that draw
+ * clusters, which need not be sorted into tiles one triangle after the other, merge no larger
+ * layers than pay for clusters that lie in two tiles. */
 #define WHOLE_TEXELS (2048u * 2048u)
+#define WHOLE_TEXELS_OF_CLUSTERS (1024u * 1024u)
 #define WHOLE_TEXELS_PER_TRIANGLE 4
 #define WHOLE_TEXELS_PER_TRIANGLE_ALONE 20
 
@@ -118,25 +121,27 @@ static shb_tile_shape square_shape(const shb_draw_desc *desc) {
 }
 
 /* True if going straight through the target beats cutting it into tiles. */
-static bool suits_whole(const shb_context *context, const shb_draw_desc *desc, uint64_t triangles) {
+static bool suits_whole(const shb_context *context, const shb_draw_desc *desc,
+                        const shb_geometry *geometry) {
+    const uint64_t triangles = geometry->triangle_count;
     const uint32_t texels = desc->width * desc->height;
     const uint32_t layers = 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
     if (context->threads == 1)
         return texels <= WHOLE_TEXELS / layers ||
                triangles >= layers * (texels / WHOLE_TEXELS_PER_TRIANGLE_ALONE);
-    return texels <= WHOLE_TEXELS && triangles >= texels / WHOLE_TEXELS_PER_TRIANGLE;
+    const uint32_t most = geometry->vertex_count ? WHOLE_TEXELS : WHOLE_TEXELS_OF_CLUSTERS;
+    return texels <= most && triangles >= texels / WHOLE_TEXELS_PER_TRIANGLE;
 }
 
 static grid choose_grid(const shb_context *context, const shb_draw_desc *desc,
                         const shb_geometry *geometry, const shb_target *target) {
-    const uint64_t triangles = geometry->triangle_count;
     const bool few = geometry->few;
     const bool direct = can_draw_directly(desc) && !target->combines;
     const int tile_bits = few ? CACHED_TILE_BITS : direct ? TILE_BITS : COPIED_TILE_BITS;
     return (grid){
         .direct = direct,
         .few = few,
-        .whole = direct && !desc->tile_size && !few && suits_whole(context, desc, triangles),
+        .whole = direct && !desc->tile_size && !few && suits_whole(context, desc, geometry),
         .shape = desc->tile_size ? square_shape(desc) : choose_shape(context, desc, tile_bits)};
 }
 
