@@ -194,6 +194,14 @@ static void prefetch(const float *base, size_t stride, size_t first, size_t coun
         __builtin_prefetch(bytes + i);
 }
 
+/* Asks for the lines that a batch's answers are written to: a store that waits for its line holds
+ * up all stores behind it. */
+static void prefetch_answers(const float *visibility, size_t count) {
+    const size_t line = 64 / sizeof *visibility;
+    for (size_t i = 0; i < count; i += line)
+        __builtin_prefetch(visibility + i, 1);
+}
+
 static bool are_aligned(const shb_points *points) {
     const uintptr_t addresses = (uintptr_t)points->positions | (uintptr_t)points->normals |
                                 (uintptr_t)points->own.ids | (uintptr_t)points->own.weight_1 |
@@ -275,6 +283,7 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
         const bool is_tried = is_packed && count == SHB_BATCH;
         if (is_tried && shb_packed_points_ask(&packed, first))
             continue;
+        prefetch_answers(visibility + first, count);
         load(kernels, points->positions, position_stride, first, count, batch.x, batch.y, batch.z);
         prefetch(points->positions, position_stride, first + count, points->count);
         if (with_normals) {
