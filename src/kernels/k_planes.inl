@@ -162,10 +162,7 @@ static inline ALWAYS_INLINE vu read_slopes(const shb_map *map, bool gathers,
     if (gathers)
         return (vu)vf_gather((const float *)(const void *)map->occluders.texels,
                              row * (int32_t)(map->occluders.stride / 4) + column);
-    vu slopes;
-    for (int k = 0; k < WIDE; k++)
-        slopes[k] = shb_occluder_row(map, row[k])[column[k]];
-    return slopes;
+    return gather_occluders(map, column, row);
 }
 
 /* What is sure of the planes of WIDE texels at the fragments' places: that they pass in front of
