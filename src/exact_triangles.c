@@ -69,12 +69,12 @@ typedef struct sheet_way {
     hit hit;
 } sheet_way;
 
-/* The centre of the texel of sample k. */
+/* The centre of the texel of sample k; the point is in the view. */
 static void place_sample(const asking *a, int k, double center[2]) {
     double to[2];
     place_of(a, to);
     for (int axis = 0; axis < 2; axis++) {
-        const double own = floor(to[axis]), other = to[axis] - own < 0.5 ? -1 : 1;
+        const double own = (int32_t)to[axis], other = to[axis] - own < 0.5 ? -1 : 1;
         center[axis] = own + (k & 1 << axis ? other : 0) + 0.5;
     }
 }
@@ -293,8 +293,7 @@ static void ask_left(const batch *b, left_points *left) {
     const shb_walk_crowd *crowd = &left->crowd;
     walk_all(b, left);
     for (size_t i = 0; i < b->points->count; i++)
-        if (crowd->are_shadowed[i])
-            b->visibility[i] = 0;
+        b->visibility[i] = crowd->are_shadowed[i] ? 0 : b->visibility[i];
     for (size_t k = 0; k < left->doubtful_count; k++) {
         const doubtful_point *point = &left->doubtful[k];
         if (!crowd->are_known[point->number] && is_shadowed_by_planes(b, point))

@@ -180,12 +180,15 @@ static inline ALWAYS_INLINE void read_links(const shb_map *map, const uint32_t *
     const uint32_t seen = 7 * SHB_CORNER_SEEN;
     SHB_ALIGN uint32_t quads[SHB_LIST_GROUP][4];
     links->whole = 0;
+    for (size_t i = 0; i < SHB_LIST_GROUP; i += WIDE)
+        if (wants_some(wanted, i, WIDE))
+            for (size_t k = i; k < i + WIDE; k++)
+                memcpy(quads[k], map->occluders.mesh.triangles[readable[k]].beyond,
+                       sizeof quads[k]);
     for (size_t i = 0; i < SHB_LIST_GROUP; i += WIDE) {
         if (!wants_some(wanted, i, WIDE))
             continue;
         vf columns[4];
-        for (size_t k = i; k < i + WIDE; k++)
-            memcpy(quads[k], map->occluders.mesh.triangles[readable[k]].beyond, sizeof quads[k]);
         vf_read_quads((const float *)quads[i], 4 * (vu)vi_numbers(), columns);
         for (int k = 0; k < 3; k++)
             vi_store((int32_t *)links->beyond[k] + i, (vi)columns[k]);
@@ -387,11 +390,21 @@ static inline ALWAYS_INLINE uint64_t repeated_bits(const shb_walk_group *g, int 
     return bits;
 }
 
+/* Asks for the triangles of all samples but the first, which were read already. */
+static inline ALWAYS_INLINE void prefetch_triangles(const shb_map *map, const shb_walk_group *g) {
+    for (int k = 1; k < 4; k++)
+        for (size_t i = 0; i < g->count; i++) {
+            const uint32_t id = g->samples[k][i];
+            __builtin_prefetch(&map->occluders.mesh.triangles[id != SHB_ID_NONE ? id : 0]);
+        }
+}
+
 static void ask_beside(const shb_map *map, double rounding, shb_walk_group *g) {
     SHB_ALIGN uint32_t readable[SHB_LIST_GROUP];
     const uint64_t all = UINT64_MAX >> (SHB_LIST_GROUP - g->count);
     link_lanes links;
     joined_lanes joined;
+    prefetch_triangles(map, g);
     look_at_ids(g, g->samples[0], readable);
     step_over(map, g, 0, readable, all, g->ends[0]);
     const id_bits are = look_at_ids(g, g->ends[0], readable);
@@ -405,16 +418,15 @@ static void ask_beside(const shb_map *map, double rounding, shb_walk_group *g) {
     g->joined = g->own;
     for (int k = 1; k < 4; k++) {
         uint32_t next[SHB_LIST_GROUP];
-        const uint64_t arrived = joined_bits(&joined, g->samples[k]) | repeated_bits(g, k);
-        const uint64_t left = g->joined & ~arrived;
+        const uint64_t arrived = g->own & joined_bits(&joined, g->samples[k]);
+        const uint64_t left = all & ~g->in_front & ~arrived & ~repeated_bits(g, k);
         memcpy(g->ends[k], g->samples[k], sizeof g->ends[k]);
         if (!left)
             continue;
         look_at_ids(g, g->samples[k], readable);
         step_over(map, g, k, readable, left, next);
-        const uint64_t arrives = joined_bits(&joined, next) & left;
         for (size_t i = 0; i < g->count; i++)
-            g->ends[k][i] = arrives >> i & 1 ? next[i] : g->ends[k][i];
-        g->joined &= arrived | arrives;
+            g->ends[k][i] = left >> i & 1 ? next[i] : g->ends[k][i];
+        g->joined &= ~left | joined_bits(&joined, next);
     }
 }
