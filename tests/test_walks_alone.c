@@ -108,6 +108,14 @@ static void build(soup *s, test_random *random) {
     }
 }
 
+/* All of the scene lies between its near and its far plane. */
+static shb_view spot(bool reversed) {
+    const shb_vec3 eye = {0.5, 0.3, 3}, target = {0, 0, 0}, up = {0, 1, 0};
+    shb_view view;
+    CHECK_INT(shb_view_perspective(eye, target, up, 0.8, 1, 1, 6, reversed, &view), SHB_OK);
+    return view;
+}
+
 static void place_points(const soup *s, test_random *random, float (*points)[3],
                          float (*normals)[3]) {
     for (int i = 0; i < POINTS; i++) {
@@ -158,7 +166,7 @@ TEST(whole_walks_say_what_is_settled_without_them) {
     for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa)) {
         int lit = 0, dark = 0;
         for (int i = 0; i < 3; i++) {
-            const shb_view views[] = {probe_orthographic(i == 1), probe_perspective(i == 1)};
+            const shb_view views[] = {probe_orthographic(i == 1), spot(i == 1)};
             for (int k = 0; k < 2; k++)
                 check_light(isa, &views[k], sizes[i], &lit, &dark);
         }
@@ -244,6 +252,104 @@ static __attribute__((noinline)) void leave_garbage(void) {
         garbage[i] = 0x55;
 }
 
+/* The triangle that follows sample k on the way to its point. */
+static uint32_t step_alone(const shb_light_mesh *mesh, const shb_walk_group *g, size_t i, int k) {
+    const double to[2] = {g->x[i], g->y[i]};
+    double from[2];
+    bool covers;
+    for (int axis = 0; axis < 2; axis++) {
+        const double own = floor(to[axis]), other = to[axis] - own < 0.5 ? -1 : 1;
+        from[axis] = own + (k & 1 << axis ? other : 0) + 0.5;
+    }
+    return shb_sheet_next(mesh, g->samples[k][i], from, to, &covers);
+}
+
+/* The same triangle, or one that its sheet goes on with. */
+static bool is_beside(const shb_light_mesh *mesh, uint32_t triangle, uint32_t other) {
+    const shb_walk_triangle *t = &mesh->triangles[triangle];
+    bool is = other == triangle;
+    for (int k = 0; k < 3; k++)
+        is |= t->marks & SHB_EDGE_JOINED << k && shb_neighbour_of(t->beyond[k]) == other;
+    return is;
+}
+
+static bool is_repeated(const shb_walk_group *g, size_t i, int k) {
+    bool is = false;
+    for (int before = 0; before < k; before++)
+        is |= g->samples[before][i] == g->samples[k][i];
+    return is;
+}
+
+/* Ways that have come beside the point's surface stay there; all others have made one step. */
+static void check_ends(const shb_light_mesh *mesh, const shb_walk_group *g, size_t i,
+                       int counts[2]) {
+    const bool is_own = g->own >> i & 1;
+    bool are_joined = is_own;
+    for (int k = 0; k < 4; k++) {
+        const uint32_t sample = g->samples[k][i], first = g->ends[0][i];
+        if (sample == SHB_ID_NONE)
+            are_joined = false;
+        if (sample == SHB_ID_NONE || is_repeated(g, i, k))
+            continue;
+        const bool stays = k > 0 && is_own && is_beside(mesh, first, sample);
+        const uint32_t end = stays ? sample : step_alone(mesh, g, i, k);
+        CHECK_INT(g->ends[k][i], end);
+        are_joined = are_joined && is_beside(mesh, first, end);
+        counts[end != sample]++;
+    }
+    CHECK_INT(g->joined >> i & 1, are_joined);
+}
+
+static void check_group(shb_isa isa, const shb_map *map, const soup *s, test_random *random,
+                        int counts[2]) {
+    static float points[POINTS][3], normals[POINTS][3];
+    static shb_walk_group g;
+    SHB_ALIGN double world[3][SHB_LIST_GROUP];
+    uint32_t own_ids[SHB_LIST_GROUP];
+    place_points(s, random, points, normals);
+    g.own_ids = own_ids;
+    for (size_t first = 0; first + SHB_LIST_GROUP <= POINTS; first += SHB_LIST_GROUP) {
+        for (int k = 0; k < 3; k++) {
+            g.world[k] = world[k];
+            for (size_t i = 0; i < SHB_LIST_GROUP; i++)
+                world[k][i] = (double)points[first + i][k];
+        }
+        for (size_t i = 0; i < SHB_LIST_GROUP; i++)
+            own_ids[i] = SHB_ID_NONE;
+        g.count = SHB_LIST_GROUP - random_below(random, 8);
+        shb_shade_kernels_of(isa)->nearest(map, SHB_FLOAT_ROUNDING, &g);
+        leave_garbage();
+        shb_shade_kernels_of(isa)->beside(map, SHB_FLOAT_ROUNDING, &g);
+        for (size_t i = 0; i < g.count; i++)
+            if (!(g.in_front >> i & 1))
+                check_ends(&map->occluders.mesh, &g, i, counts);
+    }
+}
+
+TEST(ways_make_their_first_step_side_by_side) {
+    const shb_view views[] = {probe_orthographic(false), spot(true)};
+    for (int v = 0; v < 2; v++) {
+        test_random random = {7};
+        soup s = {0};
+        shb_map *map;
+        shb_context *context = test_context(0, SHB_ISA_BEST);
+        const shb_map_desc desc = {
+            .view = views[v], .width = 48, .occluders = SHB_OCCLUDERS_TRIANGLES};
+        build(&s, &random);
+        CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+        CHECK_INT(shb_map_draw(map, soup_scene(&s), NULL, NULL), SHB_OK);
+        for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa)) {
+            int counts[2] = {0, 0};
+            check_group(isa, map, &s, &random, counts);
+            test_check(counts[0] > 500 && counts[1] > 500, __FILE__, __LINE__,
+                       "%d stayed, %d made a step", counts[0], counts[1]);
+        }
+        shb_map_destroy(map);
+        shb_context_destroy(context);
+        soup_free(&s);
+    }
+}
+
 static void check_crowd(shb_isa isa, const shb_map *map, test_random *random, int counts[2]) {
     static shb_exact_points points;
     static shb_walk_crowd crowd;
@@ -264,7 +370,7 @@ static void check_crowd(shb_isa isa, const shb_map *map, test_random *random, in
 }
 
 TEST(walks_side_by_side_meet_what_each_meets_alone) {
-    const shb_view views[] = {probe_orthographic(false), probe_perspective(true)};
+    const shb_view views[] = {probe_orthographic(false), spot(true)};
     for (int v = 0; v < 2; v++) {
         test_random random = {5};
         soup s = {0};
