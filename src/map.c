@@ -62,6 +62,10 @@ static shb_result check_desc(const shb_context *context, const char *caller,
     if (desc->occluders > SHB_OCCLUDERS_LISTS)
         return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: desc.occluders %d is unknown", caller,
                         (int)desc->occluders);
+    if (desc->exact_only && desc->occluders != SHB_OCCLUDERS_LISTS)
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "%s: desc.exact_only goes with lists, and desc.occluders is %d", caller,
+                        (int)desc->occluders);
     return SHB_OK;
 }
 
@@ -78,6 +82,7 @@ static shb_result make_map(shb_context *context, const char *caller, const shb_m
                              .occluders = desc->occluders},
                     .lists_cap = desc->occluder_memory,
                     .classifies = desc->classifies,
+                    .exact_only = desc->exact_only,
                     .depth = {.format = desc->format}};
     if (shb_mat4_inverse(desc->view.clip_from_world, world_from_clip) != SHB_OK ||
         shb_view_light_source(&desc->view, &made.info.light) != SHB_OK)
@@ -113,6 +118,21 @@ static void fill_far(const shb_map *map) {
                   (char *)map->depth.texels + row * map->depth.stride + column * texel_size);
 }
 
+/* False: out of memory. */
+static bool make_depths(shb_map *map) {
+    if (map->exact_only)
+        return true;
+    map->depth.stride = shb_padded_stride(map->info.width, shb_format_size(map->info.format));
+    map->info.memory_bytes = shb_map_depth_bytes(map);
+    map->depth.texels = shb_alloc(map->context, map->info.height, map->depth.stride);
+    map->marks = shb_alloc(map->context, shb_map_marks_size(map), 1);
+    if (!map->depth.texels || !map->marks)
+        return false;
+    fill_far(map);
+    memset(map->marks, 0, shb_map_marks_size(map));
+    return true;
+}
+
 shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_map **map) {
     if (!context)
         return SHB_ERROR_ARGUMENT;
@@ -129,18 +149,12 @@ shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_ma
     made->owned = true;
     made->empty = true;
     made->measures = desc->scene_scale == 0;
-    made->depth.stride = shb_padded_stride(made->info.width, shb_format_size(desc->format));
-    made->info.memory_bytes = shb_map_depth_bytes(made);
-    made->depth.texels = shb_alloc(context, made->info.height, made->depth.stride);
-    made->marks = shb_alloc(context, shb_map_marks_size(made), 1);
-    if (!made->depth.texels || !made->marks || !shb_occluders_create(made)) {
+    if (!make_depths(made) || !shb_occluders_create(made)) {
         shb_map_destroy(made);
         return shb_fail(context, SHB_ERROR_MEMORY,
                         "shb_map_create: no memory for desc.width %u by desc.height %u texels",
                         (unsigned)desc->width, (unsigned)desc->height);
     }
-    fill_far(made);
-    memset(made->marks, 0, shb_map_marks_size(made));
     *map = made;
     return SHB_OK;
 }

@@ -93,7 +93,8 @@ struct shb_map {
     bool owned;  /* texels were allocated by the map */
     bool empty;  /* owned and not drawn yet: serves every method */
     bool classifies;
-    bool measures; /* scene_scale is that of what is drawn */
+    bool exact_only; /* lists alone: no depths, no marks */
+    bool measures;   /* scene_scale is that of what is drawn */
     /* what the depths are: the method's combine stage and culling */
     shb_combine_fn *combine;
     float combine_params[SHB_PARAMS_MAX];

@@ -16,10 +16,13 @@
 #include "prepare.h"
 #include "scene.h"
 
-static shb_result check_draw(const shb_map *map, const shb_scene *scene) {
+static shb_result check_draw(const shb_map *map, const shb_scene *scene, const shb_bias *bias) {
     if (!map->owned)
         return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
                         "shb_map_draw: map wraps an array of the host");
+    if (map->exact_only && bias && !(bias->needs & SHB_NEEDS_OCCLUDERS))
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "shb_map_draw: map keeps no depths, as desc.exact_only says");
     if (!scene)
         return shb_fail(map->context, SHB_ERROR_ARGUMENT, "shb_map_draw: scene is NULL");
     const char *reason;
@@ -91,6 +94,11 @@ static shb_result prepare_drawing(const shb_map *map, const shb_scene *scene, dr
 
 static shb_result draw_images(const shb_map *map, const shb_scene *scene, const shb_bias *bias,
                               const drawing *made, shb_draw_stats *stats) {
+    if (map->exact_only) {
+        if (stats)
+            *stats = (shb_draw_stats){.triangles = shb_scene_triangle_count(scene)};
+        return SHB_OK;
+    }
     shb_draw_desc desc = {.view = &map->info.view,
                           .scene = scene,
                           .width = map->info.width,
@@ -138,7 +146,7 @@ static void take_drawing(shb_map *map, const shb_bias *bias, const drawing *made
 
 static shb_result draw_map(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                            shb_draw_stats *stats) {
-    shb_result result = check_draw(map, scene);
+    shb_result result = check_draw(map, scene, bias);
     if (result != SHB_OK)
         return result;
     drawing made = plan_drawing(map, bias);

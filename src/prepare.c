@@ -81,6 +81,9 @@ shb_result shb_map_prepare(shb_map *map, const shb_filter *filter) {
                         filter ? "filter.filter" : "filter");
     if (!filter->prepare)
         return SHB_OK;
+    if (map->exact_only)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "shb_map_prepare: map keeps no depths, as desc.exact_only says");
     const int before = find(map, filter);
     shb_prepared made = {.filter = *filter};
     made.data = before >= 0 ? map->prepared[before].data : NULL;

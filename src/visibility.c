@@ -94,6 +94,11 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
                         "%s: the method \"%s\" or the filter needs normals and points.normals is "
                         "NULL",
                         caller, name_of(bias));
+    if (map->exact_only && !(bias->needs & SHB_NEEDS_OCCLUDERS))
+        return shb_fail(context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" needs depths, and the map was created with "
+                        "desc.exact_only",
+                        caller, name_of(bias));
     if (!map_serves(map, bias))
         return shb_fail(context, SHB_ERROR_UNSUPPORTED,
                         "%s: the method \"%s\" needs a map that was drawn for it with the same "

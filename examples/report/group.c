@@ -47,6 +47,7 @@ static shb_result create_maps(session *s) {
         scene_light_view(s->stage->scene, s->group->light.kind, desc.width, false, &desc.view);
     for (int i = SHB_OCCLUDERS_NONE; !result && i <= SHB_OCCLUDERS_LISTS; i++) {
         desc.occluders = (shb_occluders)i;
+        desc.exact_only = i == SHB_OCCLUDERS_LISTS;
         result = shb_map_create(s->stage->context, &desc, &s->maps[i]);
     }
     return result;

@@ -248,8 +248,8 @@ const shb_filter_method *shb_filter_methods(size_t *count);
 /* The filter that a text names, as shb_bias_parse; unit and taps by their numbers, 0, 1 or 2. */
 shb_result shb_filter_parse(const char *text, shb_filter *filter);
 
-/* The stored depths at count texels, canonical (smaller is nearer); the far depth outside the map.
- * For filters of your own. */
+/* The stored depths at count texels, canonical (smaller is nearer); the far depth outside the map,
+ * and everywhere in one with desc.exact_only. For filters of your own. */
 void shb_map_fetch(const shb_map *map, size_t count, const int32_t *texel_x, const int32_t *texel_y,
                    float *depth);
 

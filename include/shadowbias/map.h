@@ -25,13 +25,16 @@ typedef struct shb_map_desc {
                         40 a triangle to recognise the scene when it is drawn again. The exact
                         method with the filter hard asks this first and its occluders only where it
                         is unsure: faster, and also better where planes or triangles err */
+    bool exact_only; /* with lists: no depths are kept or drawn, which spares their bytes and the
+                        depth pass. Only the exact method with the filter hard, and
+                        shb_map_classify, may ask the map then */
 } shb_map_desc;
 
 /* Makes a map to draw into; until then it is empty: every fragment is lit, by any method. Destroy
  * it before its context. Both ways to make a map fail with SHB_ERROR_NUMBER if the view cannot be
  * inverted, if view.reversed contradicts the matrix of a point light (depth must grow, or fall when
  * reversed, away from it), or if scene_scale is negative or not finite; other errors are
- * SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE and SHB_ERROR_MEMORY. */
+ * SHB_ERROR_ARGUMENT (among them exact_only without lists), SHB_ERROR_SIZE and SHB_ERROR_MEMORY. */
 shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_map **map);
 
 /* Makes a map around depths that the host made (rasterized, or read back from a GPU) with the same
@@ -50,10 +53,12 @@ shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const vo
  * nearest ones, which serve all such methods. What desc.occluders asks for is kept if bias is NULL
  * or needs it, in copies: the map does not refer to the scene after the call. What a combine stage
  * writes is rounded to the format as drawn depths are; NaN becomes the far depth. stats may be
- * NULL. Errors, with which the map keeps what it held: those of shb_draw; SHB_ERROR_UNSUPPORTED for
- * a wrapped map; SHB_ERROR_MEMORY for 2^29 triangles or more if the map keeps triangles or
- * classifies without lists; SHB_ERROR_ARGUMENT if the pass over the vertices for the scene's scale
- * meets an index out of range. One call at a time for a context, and none while others ask the map.
+ * NULL; of a map with desc.exact_only, all but its triangles are 0. Errors, with which the map
+ * keeps what it held: those of shb_draw; SHB_ERROR_UNSUPPORTED for a wrapped map, and for a map
+ * with desc.exact_only if bias does not ask occluders; SHB_ERROR_MEMORY for 2^29 triangles or more
+ * if the map keeps triangles or classifies without lists; SHB_ERROR_ARGUMENT if the pass over the
+ * vertices for the scene's scale meets an index out of range. One call at a time for a context, and
+ * none while others ask the map.
  */
 shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bias,
                         shb_draw_stats *stats);
@@ -67,8 +72,8 @@ shb_result shb_map_draw(shb_map *map, const shb_scene *scene, const shb_bias *bi
  * until it is drawn again (the next preparation of the same filter reuses the memory then), the
  * filter is prepared with other params, or more than SHB_PREPARED_MAX would be kept, when the
  * oldest goes. One call at a time for a context, and none while others ask the map.
- * SHB_ERROR_ARGUMENT for NULL, otherwise what the filter's prepare returns; the map keeps what it
- * held then. */
+ * SHB_ERROR_ARGUMENT for NULL, SHB_ERROR_UNSUPPORTED for a map with desc.exact_only, otherwise what
+ * the filter's prepare returns; the map keeps what it held then. */
 shb_result shb_map_prepare(shb_map *map, const shb_filter *filter);
 
 /* NULL is ignored. */
@@ -79,7 +84,7 @@ void shb_map_destroy(shb_map *map);
 const shb_map_info *shb_map_get_info(const shb_map *map);
 
 /* The stored depths, top row first, to read only; valid until the map is drawn again or destroyed.
- * For NULL its texels are NULL. */
+ * For NULL, and for a map with desc.exact_only, its texels are NULL. */
 shb_depth_image shb_map_get_depth(const shb_map *map);
 
 /* Points of a host: any count, any layout. All arrays are aligned to 4 bytes; strides are multiples

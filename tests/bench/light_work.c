@@ -67,7 +67,9 @@ static shb_result create_image(light_work *work) {
 
 static shb_result create_map(light_work *work, uint32_t map_size) {
     const example_scene *scene = work->frame->scene;
-    shb_map_desc desc = {.width = map_size, .occluders = work->occluders};
+    shb_map_desc desc = {.width = map_size,
+                         .occluders = work->occluders,
+                         .exact_only = work->occluders == SHB_OCCLUDERS_LISTS};
     shb_result result = scene_light_view(scene, SCENE_DIRECTIONAL, map_size, false, &desc.view);
     if (!result)
         result = shb_map_create(work->context, &desc, &work->map);

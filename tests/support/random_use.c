@@ -126,6 +126,7 @@ static void make_map(source *from, random_use *use) {
                               .occluders = (shb_occluders)below(from, 4),
                               .occluder_memory = seldom(from, 4) ? 100000 : 0,
                               .classifies = seldom(from, 3)};
+    use->map.exact_only = use->map.occluders == SHB_OCCLUDERS_LISTS && below(from, 2);
     make_view(from, &use->map.view);
 }
 

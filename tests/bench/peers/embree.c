@@ -120,7 +120,8 @@ static bool compare_method(const comparison *c, embree_work *peer, const own_met
                            const char *task) {
     shb_map_desc desc = {.width = method->map_size,
                          .occluders = method->occluders,
-                         .classifies = method->classifies};
+                         .classifies = method->classifies,
+                         .exact_only = method->occluders == SHB_OCCLUDERS_LISTS};
     own_work own = {.c = c,
                     .bias = method->occluders ? shb_bias_exact() : shb_bias_adaptive(1e-4f, 0),
                     .visibility = c->frame.visibility};
