@@ -2,67 +2,17 @@
 
 #include "pyramid.h"
 
+#include "floats4.h"
 #include "format.h"
 
 #include <math.h>
 #include <string.h>
 
-#if defined(__x86_64__)
-#include <emmintrin.h>
-#endif
-
 enum { SIDE = 1 << SHB_PYRAMID_SHIFT };
-
-/* Half a row of a cell of texels, or four cells. */
-typedef float floats4 __attribute__((vector_size(16)));
-typedef int32_t masks4 __attribute__((vector_size(16)));
 
 /* Bounds that were calculated with slopes give way by this much of the numbers that went in:
  * floats4 times what the rounding of a handful of operations can be. */
 #define ROUNDING 0x1p-20f
-
-static float min_of(float a, float b) {
-    return a < b ? a : b;
-}
-
-static float max_of(float a, float b) {
-    return a > b ? a : b;
-}
-
-static inline floats4 splat4(float value) {
-    return (floats4){value, value, value, value};
-}
-
-static inline floats4 load4(const float *p) {
-    floats4 v;
-    memcpy(&v, p, sizeof v);
-    return v;
-}
-
-static inline floats4 choose4(masks4 mask, floats4 yes, floats4 no) {
-    return (floats4)((mask & (masks4)yes) | (~mask & (masks4)no));
-}
-
-/* a < b ? a : b and a > b ? a : b */
-#if defined(__x86_64__)
-static inline floats4 min4(floats4 a, floats4 b) {
-    return _mm_min_ps(a, b);
-}
-static inline floats4 max4(floats4 a, floats4 b) {
-    return _mm_max_ps(a, b);
-}
-#else
-static inline floats4 min4(floats4 a, floats4 b) {
-    return choose4(a < b, a, b);
-}
-static inline floats4 max4(floats4 a, floats4 b) {
-    return choose4(a > b, a, b);
-}
-#endif
-
-static inline float sum4(floats4 v) {
-    return (v[0] + v[1]) + (v[2] + v[3]);
-}
 
 /* A strip of texels, the rows of one row of cells, as canonical depth. */
 enum { STRIP = 256 };

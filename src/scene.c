@@ -112,12 +112,24 @@ static bool get_triangle(const shb_mesh *mesh, uint32_t triangle, uint32_t verti
            vertices[2] < mesh->vertex_count;
 }
 
+static bool are_short_below(const uint16_t *indices, size_t count, uint32_t limit) {
+    uint32_t outside = 0;
+    for (size_t i = 0; i < count; i++)
+        outside |= indices[i] >= limit;
+    return !outside;
+}
+
+static bool are_below(const uint32_t *indices, size_t count, uint32_t limit) {
+    uint32_t outside = 0;
+    for (size_t i = 0; i < count; i++)
+        outside |= indices[i] >= limit;
+    return !outside;
+}
+
 bool shb_mesh_has_valid_indices(const shb_mesh *mesh) {
-    uint32_t vertices[3];
-    for (uint32_t i = 0; i < mesh->triangle_count; i++)
-        if (!get_triangle(mesh, i, vertices))
-            return false;
-    return true;
+    const size_t count = mesh->indices ? 3 * (size_t)mesh->triangle_count : 0;
+    return mesh->index_size == 2 ? are_short_below(mesh->indices, count, mesh->vertex_count)
+                                 : are_below(mesh->indices, count, mesh->vertex_count);
 }
 
 shb_result shb_scene_validate(const shb_scene *scene) {

@@ -218,42 +218,6 @@ TEST(clusters_of_loose_triangles_have_vertices_that_a_byte_can_count) {
     soup_free(&s);
 }
 
-/* By every vertex that a triangle uses: a mesh without clusters has its own way. */
-TEST(clusters_know_the_bounds_of_a_scene) {
-    enum { TRIANGLES = 1500, VERTICES = 700 };
-    static float positions[3 * VERTICES];
-    static uint32_t indices[3 * TRIANGLES];
-    test_random random = {11};
-    shb_context *context = test_context(0, SHB_ISA_BEST);
-    for (int round = 0; round < 40; round++) {
-        for (int i = 0; i < 3 * VERTICES; i++)
-            positions[i] = (float)random_double(&random, -3, round % 2 ? 5 : 1);
-        for (int i = 0; i < round % 5; i++)
-            positions[random_below(&random, 3 * VERTICES)] = i % 2 ? NAN : -INFINITY;
-        /* The last vertices are used by no triangle. */
-        for (int i = 0; i < 3 * TRIANGLES; i++)
-            indices[i] = random_below(&random, VERTICES - 50);
-        shb_mesh mesh = {.positions = positions,
-                         .vertex_count = VERTICES,
-                         .indices = indices,
-                         .triangle_count = TRIANGLES};
-        shb_instance instances[2] = {{.mesh = &mesh}, {.mesh = &mesh}};
-        instances[round % 2].world_from_mesh = shb_mat4_multiply(
-            shb_mat4_translation(random_double(&random, -1e3, 1e3), 2, -5),
-            shb_mat4_rotation((shb_vec3){1, -2, 3}, random_double(&random, 0, 6)));
-        const shb_scene scene = {instances, 2};
-        shb_box expected, bounds;
-        shb_clusters *clusters = NULL;
-        CHECK_INT(shb_scene_bounds(&scene, &expected), SHB_OK);
-        CHECK_INT(shb_clusters_create(context, &mesh, &clusters), SHB_OK);
-        mesh.clusters = clusters;
-        CHECK_INT(shb_scene_bounds(&scene, &bounds), SHB_OK);
-        CHECK(memcmp(&bounds, &expected, sizeof bounds) == 0);
-        shb_clusters_destroy(clusters);
-    }
-    shb_context_destroy(context);
-}
-
 TEST(a_mesh_without_triangles_has_no_clusters) {
     shb_context *context = test_context(0, SHB_ISA_BEST);
     const shb_mesh mesh = {0};
