@@ -23,13 +23,23 @@ static bool has_planes_alone(const shb_map *map) {
     return map->info.occluders == SHB_OCCLUDERS_PLANES;
 }
 
+bool shb_exact_asks_planes_alone(const shb_map *map) {
+    return has_planes_alone(map) && !map->classifies && map->occluders.held;
+}
+
+static void ask_planes(const shb_map *map, size_t count, const shb_receivers *receivers,
+                       float *visibility) {
+    const shb_quick_points points = shb_quick_points_of(receivers);
+    map->context->shade_kernels->planes(map, count, &points, visibility);
+}
+
 /* By all that the map keeps for the exact method. */
 static void ask_occluders(const shb_map *map, const shb_exact_points *points,
                           const shb_receivers *receivers, float *visibility) {
     if (map->lists)
         ask_lists(map->lists, points, visibility);
     else if (has_planes_alone(map))
-        map->context->shade_kernels->planes(map, points->count, receivers, visibility);
+        ask_planes(map, points->count, receivers, visibility);
     else
         shb_exact_ask_triangles(map, points, receivers, visibility);
 }
@@ -77,7 +87,7 @@ void shb_exact_visibility(const shb_filter_args *args) {
     const shb_map *map = args->map;
     const bool settles = map->classifies && !args->lifted;
     if (!settles && has_planes_alone(map)) { /* they do not ask for exact points */
-        map->context->shade_kernels->planes(map, args->count, args->receivers, args->visibility);
+        ask_planes(map, args->count, args->receivers, args->visibility);
         return;
     }
     shb_exact_points points;

@@ -41,4 +41,7 @@ static inline bool shb_exact_is_shadowed(const shb_exact_fragment *fragment,
 /* The function exact of the filter hard. */
 void shb_exact_visibility(const shb_filter_args *args);
 
+/* True: shb_exact_visibility is the kernel for planes, for points that no method has lifted. */
+bool shb_exact_asks_planes_alone(const shb_map *map);
+
 #endif

@@ -1,10 +1,23 @@
 #include "packed_points.h"
 
+#include "exact.h"
 #include "kernels/shade.h"
 #include "project.h"
 #include "stages.h"
 #include "triples.h"
 #include "visibility.h"
+
+static bool are_asked_by_planes(const shb_map *map, const shb_bias *bias,
+                                const shb_filter *filter) {
+    return bias->needs & SHB_NEEDS_OCCLUDERS && shb_exact_asks_planes_alone(map) &&
+           (!filter || filter->exact == shb_exact_visibility);
+}
+
+static bool are_asked_quickly(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
+                              shb_quick_bias *quick) {
+    return map->context->shade_kernels->quick && (!filter || filter->filter == shb_hard_test) &&
+           shb_quick_bias_of(map, bias, quick);
+}
 
 bool shb_packed_points_init(shb_packed_points *packed, const shb_map *map, const shb_points *points,
                             const shb_bias *bias, const shb_filter *filter, float *visibility) {
@@ -15,8 +28,9 @@ bool shb_packed_points_init(shb_packed_points *packed, const shb_map *map, const
     packed->visibility = visibility;
     packed->test.known = false;
     packed->waiting = 0;
-    return map->context->shade_kernels->quick && (!filter || filter->filter == shb_hard_test) &&
-           shb_quick_bias_of(map, bias, &packed->quick) &&
+    packed->by_planes = are_asked_by_planes(map, bias, filter);
+    packed->quick.plane = true;
+    return (packed->by_planes || are_asked_quickly(map, bias, filter, &packed->quick)) &&
            shb_triple_stride(points->position_stride) == gapless &&
            (!packed->quick.plane || shb_triple_stride(points->normal_stride) == gapless);
 }
@@ -60,6 +74,7 @@ static void let_wait(shb_packed_points *packed, size_t number) {
 }
 
 bool shb_packed_points_ask(shb_packed_points *packed, size_t first) {
+    const shb_shade_kernels *kernels = packed->map->context->shade_kernels;
     const shb_points *points = packed->points;
     const bool plane = packed->quick.plane;
     const size_t left = points->count - first;
@@ -73,9 +88,13 @@ bool shb_packed_points_ask(shb_packed_points *packed, size_t first) {
         .next_normal = plane ? points->normals + 3 * next : NULL,
         .next_visibility = packed->visibility + next,
     };
-    const size_t found = packed->map->context->shade_kernels->quick(
-        packed->map, &packed->quick, SHB_BATCH, &batch, &packed->test, packed->visibility + first,
-        doubtful);
+    float *visibility = packed->visibility + first;
+    if (packed->by_planes) {
+        kernels->planes(packed->map, SHB_BATCH, &batch, visibility);
+        return true;
+    }
+    const size_t found = kernels->quick(packed->map, &packed->quick, SHB_BATCH, &batch,
+                                        &packed->test, visibility, doubtful);
     if (found == SIZE_MAX)
         return false;
     if (packed->waiting + found > SHB_BATCH)

@@ -1,5 +1,5 @@
-/* A host's points without gaps, asked by the quick test batch by batch; those that it leaves in
- * doubt wait until there is a batch of them. */
+/* A host's points without gaps, asked by the quick test batch by batch, or by the planes of a map;
+ * those that the quick test leaves in doubt wait until there is a batch of them. */
 #ifndef SRC_PACKED_POINTS_H
 #define SRC_PACKED_POINTS_H
 
@@ -10,6 +10,7 @@ typedef struct shb_packed_points {
     const shb_points *points;
     const shb_bias *bias;
     float *visibility;
+    bool by_planes; /* the exact method: no point is left in doubt */
     shb_quick_bias quick;
     shb_quick_test test;
     size_t waiting;
@@ -17,7 +18,7 @@ typedef struct shb_packed_points {
     shb_receivers receivers;
 } shb_packed_points;
 
-/* False: the quick test is not for this map, method or filter (NULL: hard), or there are gaps. */
+/* False: neither test is for this map, method or filter (NULL: hard), or there are gaps. */
 bool shb_packed_points_init(shb_packed_points *packed, const shb_map *map, const shb_points *points,
                             const shb_bias *bias, const shb_filter *filter, float *visibility);
 

@@ -24,6 +24,12 @@ typedef struct shb_quick_points {
     float *next_visibility;
 } shb_quick_points;
 
+/* Of arrays. */
+static inline shb_quick_points shb_quick_points_of(const shb_receivers *r) {
+    return (shb_quick_points){.position = {r->x, r->y, r->z},
+                              .normal = {r->normal_x, r->normal_y, r->normal_z}};
+}
+
 /* Where the fragments of a batch lie, and the largest element of a normal. */
 typedef struct shb_quick_extent {
     float least[3], most[3], normal;

@@ -145,17 +145,11 @@ void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_
     filter->filter(&filter_args);
 }
 
-/* Of arrays. */
-static shb_quick_points points_of(const shb_receivers *r) {
-    return (shb_quick_points){.position = {r->x, r->y, r->z},
-                              .normal = {r->normal_x, r->normal_y, r->normal_z}};
-}
-
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, bool lifted, const shb_own_triangles *own,
                           shb_quick_test *test, shb_receivers *receivers, float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
-    const shb_quick_points points = points_of(receivers);
+    const shb_quick_points points = shb_quick_points_of(receivers);
     SHB_ALIGN float asked[SHB_BATCH];
     uint16_t doubtful[SHB_BATCH];
     shb_quick_bias quick;

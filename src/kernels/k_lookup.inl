@@ -51,34 +51,42 @@ static inline ALWAYS_INLINE vf read_lanes(const shb_map *map, bool gathers, vi x
     return vf_load(stored);
 }
 
-/* Indices of the texels, and -1 where these lie in the map; those of others are 0. */
+/* Indices of WIDE texels, and -1 where these lie in the map; those of others are 0. */
+static inline ALWAYS_INLINE vu index_lanes(const shb_map *map, vi x, vi y, vi *inside) {
+    const vu column = (vu)x, row = (vu)y;
+    *inside = (vi)(column < map->info.width) & (vi)(row < map->info.height);
+    return (vu)*inside & (row * (uint32_t)(map->depth.stride / 4) + column);
+}
+
 static void place_texels(const shb_map *map, size_t lanes, const int32_t *restrict texel_x,
                          const int32_t *restrict texel_y, uint32_t *restrict indices,
                          int32_t *restrict inside) {
-    const uint32_t stride = (uint32_t)(map->depth.stride / 4);
-    const uint32_t width = map->info.width, height = map->info.height;
     for (size_t i = 0; i < lanes; i += WIDE) {
-        const vu x = (vu)vi_load(texel_x + i), y = (vu)vi_load(texel_y + i);
-        const vi in_map = (vi)(x < width) & (vi)(y < height);
-        const vu index = (vu)in_map & (y * stride + x);
+        vi in_map;
+        vu_store(indices + i,
+                 index_lanes(map, vi_load(texel_x + i), vi_load(texel_y + i), &in_map));
         vi_store(inside + i, in_map);
-        memcpy(indices + i, &index, sizeof index);
     }
+}
+
+static void read_placed(const shb_map *map, size_t lanes, const uint32_t *indices,
+                        const int32_t *inside, float *restrict depth) {
+    const bool reversed = map->info.view.reversed;
+    const vf far_depth = vf_splat(shb_far_depth(reversed));
+    const float sign = reversed ? -1.0f : 1.0f;
+    const float *texels = map->depth.texels;
+    for (size_t i = 0; i < lanes; i += WIDE)
+        vf_store(depth + i,
+                 vf_where(vi_load(inside + i), sign * vf_read(texels, indices + i), far_depth));
 }
 
 /* Texels are placed before any is read: in one loop there would be too few registers for both. */
 static void fetch_gathered(const shb_map *map, size_t lanes, const int32_t *texel_x,
                            const int32_t *texel_y, float *restrict depth) {
-    const bool reversed = map->info.view.reversed;
-    const vf far_depth = vf_splat(shb_far_depth(reversed));
-    const float sign = reversed ? -1.0f : 1.0f;
-    const float *texels = map->depth.texels;
     SHB_ALIGN uint32_t indices[SHB_BATCH];
     SHB_ALIGN int32_t inside[SHB_BATCH];
     place_texels(map, lanes, texel_x, texel_y, indices, inside);
-    for (size_t i = 0; i < lanes; i += WIDE)
-        vf_store(depth + i,
-                 vf_where(vi_load(inside + i), sign * vf_read(texels, indices + i), far_depth));
+    read_placed(map, lanes, indices, inside, depth);
 }
 
 static void fetch_others(const shb_map *map, size_t lanes, const int32_t *restrict texel_x,

@@ -7,11 +7,14 @@
 
 /* Fragments and the texels that hold them. Names as in quick_planes.c. */
 typedef struct plane_batch {
+    SHB_ALIGN float position[3][SHB_BATCH], normal[3][SHB_BATCH]; /* of packed points */
     SHB_ALIGN double z[SHB_BATCH];
     SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH], depth[SHB_BATCH]; /* these four unless affine */
     float inverse_w[SHB_BATCH];
     float to_x[SHB_BATCH], to_y[SHB_BATCH];
     int32_t column[SHB_BATCH], row[SHB_BATCH];
+    uint32_t texel[SHB_BATCH]; /* where maps are gathered from: of the depth, later of the slopes */
+    int32_t inside[SHB_BATCH];
     float nu[SHB_BATCH];                                              /* times NU_SCALE */
     float steepness[SHB_BATCH], rise_x[SHB_BATCH], rise_y[SHB_BATCH]; /* D, N */
     float ahead[SHB_BATCH]; /* T less the part of d, later all of it, with errors but those by d */
@@ -19,16 +22,40 @@ typedef struct plane_batch {
     int32_t open[SHB_BATCH];                    /* -1: not surely lit by the own plane */
 } plane_batch;
 
+/* Positions and normals as arrays: where they are packed, those of the batch. */
+static inline ALWAYS_INLINE shb_quick_points arrays_of(const shb_quick_points *points,
+                                                       const plane_batch *batch) {
+    shb_quick_points arrays = *points;
+    for (int k = 0; k < 3 && points->packed; k++) {
+        arrays.position[k] = batch->position[k];
+        arrays.normal[k] = batch->normal[k];
+    }
+    return arrays;
+}
+
+static inline ALWAYS_INLINE void unpack_points(const shb_quick_points *points, size_t i,
+                                               plane_batch *batch) {
+    vf position[3], normal[3];
+    prefetch_next_batch(points, true, i);
+    vf_read_triples(points->position[0] + 3 * i, position);
+    vf_read_triples(points->normal[0] + 3 * i, normal);
+    for (int k = 0; k < 3; k++) {
+        vf_store(batch->position[k] + i, position[k]);
+        vf_store(batch->normal[k] + i, normal[k]);
+    }
+}
+
 /* Fragments behind the light come to lie outside of the map. */
-static inline ALWAYS_INLINE void place_as(const shb_map *map, bool affine, size_t lanes,
-                                          const shb_receivers *restrict r,
-                                          plane_batch *restrict batch) {
+static inline ALWAYS_INLINE void place_doubles(const shb_map *map, bool affine,
+                                               const shb_quick_points *points, size_t first,
+                                               plane_batch *batch) {
     const shb_light_rows rows = map->rows;
     const double limit = -(double)SHB_TEXEL_NONE;
     const wd zero = wd_splat(0.0), none = wd_splat((double)SHB_TEXEL_NONE);
-    for (size_t i = 0; i < lanes; i += DOUBLES) {
-        const wd px = wd_load_floats(r->x + i), py = wd_load_floats(r->y + i);
-        const wd pz = wd_load_floats(r->z + i);
+    for (size_t i = first; i < first + WIDE; i += DOUBLES) {
+        const wd px = wd_load_floats(points->position[0] + i);
+        const wd py = wd_load_floats(points->position[1] + i);
+        const wd pz = wd_load_floats(points->position[2] + i);
         wd x = row_at(rows.x, px, py, pz);
         wd y = row_at(rows.y, px, py, pz);
         wd z = row_at(rows.z, px, py, pz);
@@ -52,29 +79,40 @@ static inline ALWAYS_INLINE void place_as(const shb_map *map, bool affine, size_
     }
 }
 
-/* Asks for texels of four bytes, those that are marked. */
-static inline ALWAYS_INLINE void prefetch_marked(const void *texels, size_t stride,
-                                                 const plane_batch *batch, size_t i, vi marked) {
-    const vi row = vi_load(batch->row + i) & marked, column = vi_load(batch->column + i) & marked;
-    int32_t places[WIDE];
-    vi_store(places, row * (int32_t)(stride / 4) + column);
-    for (int k = 0; k < WIDE; k++)
-        __builtin_prefetch((const float *)texels + places[k]);
+static inline ALWAYS_INLINE void place_as(const shb_map *map, bool affine, size_t lanes,
+                                          const shb_quick_points *points, plane_batch *batch) {
+    const shb_quick_points arrays = arrays_of(points, batch);
+    for (size_t i = 0; i < lanes; i += WIDE) {
+        if (points->packed)
+            unpack_points(points, i, batch);
+        place_doubles(map, affine, &arrays, i, batch);
+    }
 }
 
-static inline ALWAYS_INLINE void prefetch_depths(const shb_map *map, const plane_batch *batch,
-                                                 size_t i) {
-    const vu column = (vu)vi_load(batch->column + i), row = (vu)vi_load(batch->row + i);
-    prefetch_marked(map->depth.texels, map->depth.stride, batch, i,
-                    (vi)(column < map->info.width) & (vi)(row < map->info.height));
+/* Places texels of four bytes, and asks for them. */
+static inline ALWAYS_INLINE void prefetch_texels(const void *texels, vu places, size_t i,
+                                                 plane_batch *batch) {
+    vu_store(batch->texel + i, places);
+    for (size_t lane = i; lane < i + WIDE; lane++)
+        __builtin_prefetch((const float *)texels + batch->texel[lane]);
+}
+
+static inline ALWAYS_INLINE void prefetch_depths(const shb_map *map, plane_batch *batch, size_t i) {
+    vi inside;
+    const vu places =
+        index_lanes(map, vi_load(batch->column + i), vi_load(batch->row + i), &inside);
+    vi_store(batch->inside + i, inside);
+    prefetch_texels(map->depth.texels, places, i, batch);
 }
 
 /* R: infinite or no numbers come to be small ones. */
 static inline ALWAYS_INLINE vf surely_moved(const shb_quick_planes *q, bool affine,
-                                            const shb_receivers *r, const plane_batch *batch,
-                                            size_t i, vf size_x, vf size_y, vf size_z) {
-    const vf sum = (size_x * vf_abs(vf_load(r->x + i)) + size_y * vf_abs(vf_load(r->y + i))) +
-                   size_z * vf_abs(vf_load(r->z + i));
+                                            const shb_quick_points *points,
+                                            const plane_batch *batch, size_t i, vf size_x,
+                                            vf size_y, vf size_z) {
+    vf p[3];
+    read_points(points->position, false, i, p);
+    const vf sum = (size_x * vf_abs(p[0]) + size_y * vf_abs(p[1])) + size_z * vf_abs(p[2]);
     vf moved = (vf_min(sum, vf_splat(0x1p40f)) - 0x1p-140f) * q->moved;
     if (!affine) {
         const vf inverse_w = vf_min(vf_load(batch->inverse_w + i), vf_splat(0x1p28f));
@@ -85,12 +123,13 @@ static inline ALWAYS_INLINE vf surely_moved(const shb_quick_planes *q, bool affi
 
 /* Asks for the depths of texels, too: they lie anywhere in memory. */
 static inline ALWAYS_INLINE void find_own_planes(const shb_map *map, bool affine, bool gathers,
-                                                 size_t lanes, const shb_receivers *restrict r,
-                                                 plane_batch *restrict batch) {
+                                                 size_t lanes, const shb_quick_points *points,
+                                                 plane_batch *batch) {
     const shb_quick_planes q = map->occluders.quick;
     for (size_t i = 0; i < lanes; i += WIDE) {
-        const vf nx = vf_load(r->normal_x + i), ny = vf_load(r->normal_y + i);
-        const vf nz = vf_load(r->normal_z + i);
+        vf n[3];
+        read_points(points->normal, false, i, n);
+        const vf nx = n[0], ny = n[1], nz = n[2];
         vf ab = quick_dot(q.xy, nx, ny, nz);
         vf cb = quick_dot(q.zy, nx, ny, nz);
         vf ac = quick_dot(q.xz, nx, ny, nz);
@@ -110,7 +149,7 @@ static inline ALWAYS_INLINE void find_own_planes(const shb_map *map, bool affine
         ac = (vf)((vu)ac ^ sign);
         const vf size_x = vf_abs(nx), size_y = vf_abs(ny), size_z = vf_abs(nz);
         const vf nu = ((size_x + size_y) + size_z) * NU_SCALE + 0x1p-30f * NU_SCALE;
-        const vf moved = surely_moved(&q, affine, r, batch, i, size_x, size_y, size_z);
+        const vf moved = surely_moved(&q, affine, points, batch, i, size_x, size_y, size_z);
         const vf run = cb * vf_load(batch->to_x + i) + ac * vf_load(batch->to_y + i);
         vf_store(batch->nu + i, nu);
         vf_store(batch->steepness + i, vf_abs(ab));
@@ -121,14 +160,23 @@ static inline ALWAYS_INLINE void find_own_planes(const shb_map *map, bool affine
 }
 
 static NEVER_INLINE void place_fragments(const shb_map *map, bool gathers, size_t lanes,
-                                         const shb_receivers *r, plane_batch *batch) {
+                                         const shb_quick_points *points, plane_batch *batch) {
+    const shb_quick_points arrays = arrays_of(points, batch);
     if (map->projection.affine) {
-        place_as(map, true, lanes, r, batch);
-        find_own_planes(map, true, gathers, lanes, r, batch);
+        place_as(map, true, lanes, points, batch);
+        find_own_planes(map, true, gathers, lanes, &arrays, batch);
     } else {
-        place_as(map, false, lanes, r, batch);
-        find_own_planes(map, false, gathers, lanes, r, batch);
+        place_as(map, false, lanes, points, batch);
+        find_own_planes(map, false, gathers, lanes, &arrays, batch);
     }
+}
+
+/* Of fragments that are open. */
+static inline ALWAYS_INLINE void prefetch_open(const shb_map *map, vi open, size_t i,
+                                               plane_batch *batch) {
+    const vi row = vi_load(batch->row + i), column = vi_load(batch->column + i);
+    const vu places = (vu)row * (uint32_t)(map->occluders.stride / 4) + (vu)column;
+    prefetch_texels(map->occluders.texels, (vu)open & places, i, batch);
 }
 
 /* Lists the vectors of fragments that are not all lit, and asks for their texels' slopes. */
@@ -150,7 +198,7 @@ static inline ALWAYS_INLINE size_t find_open(const shb_map *map, bool gathers, s
         if (!vi_any(open))
             continue;
         if (gathers)
-            prefetch_marked(map->occluders.texels, map->occluders.stride, batch, i, open);
+            prefetch_open(map, open, i, batch);
         vectors[count++] = (uint16_t)i;
     }
     return count;
@@ -158,11 +206,10 @@ static inline ALWAYS_INLINE size_t find_open(const shb_map *map, bool gathers, s
 
 static inline ALWAYS_INLINE vu read_slopes(const shb_map *map, bool gathers,
                                            const plane_batch *batch, size_t i, vi asked) {
-    const vi column = vi_load(batch->column + i) & asked, row = vi_load(batch->row + i) & asked;
     if (gathers)
-        return (vu)vf_gather((const float *)(const void *)map->occluders.texels,
-                             row * (int32_t)(map->occluders.stride / 4) + column);
-    return gather_occluders(map, column, row);
+        return (vu)vf_read((const float *)(const void *)map->occluders.texels, batch->texel + i);
+    return gather_occluders(map, vi_load(batch->column + i) & asked,
+                            vi_load(batch->row + i) & asked);
 }
 
 /* What is sure of the planes of WIDE texels at the fragments' places: that they pass in front of
@@ -206,14 +253,15 @@ static inline ALWAYS_INLINE vi are_behind(const shb_quick_planes *q, const plane
 
 /* Writes who is surely shadowed; bits of those that are open and not sure. */
 static inline ALWAYS_INLINE uint32_t settle_open(const shb_map *map, bool affine, bool gathers,
-                                                 const shb_receivers *restrict r,
-                                                 const plane_batch *restrict batch, size_t i,
+                                                 const shb_quick_points *points,
+                                                 const plane_batch *batch, size_t i,
                                                  float *restrict visibility) {
     const shb_quick_planes *q = &map->occluders.quick;
     const vi open = vi_load(batch->open + i);
     const vu halves = read_slopes(map, gathers, batch, i, open);
-    const vf place =
-        (vf_abs(vf_load(r->x + i)) + vf_abs(vf_load(r->y + i))) + vf_abs(vf_load(r->z + i));
+    vf p[3];
+    read_points(points->position, false, i, p);
+    const vf place = (vf_abs(p[0]) + vf_abs(p[1])) + vf_abs(p[2]);
     vf psi = 3 * place + q->beta, by_w = vf_splat(q->own_by_w);
     if (!affine) {
         const vf inverse_w = vf_load(batch->inverse_w + i);
@@ -234,17 +282,16 @@ typedef struct plane_lanes {
 } plane_lanes;
 
 /* The first one fills up the lanes. */
-static inline void pick_lanes(const shb_map *map, const shb_receivers *r, const plane_batch *batch,
-                              const uint16_t *numbers, size_t count, plane_lanes *lanes) {
+static inline void pick_lanes(const shb_map *map, const shb_quick_points *points,
+                              const plane_batch *batch, const uint16_t *numbers, size_t count,
+                              plane_lanes *lanes) {
     for (size_t k = 0; k < DOUBLES; k++) {
         const size_t i = numbers[k < count ? k : 0];
         const uint32_t slopes = shb_occluder_row(map, batch->row[i])[batch->column[i]];
-        lanes->position[0][k] = r->x[i];
-        lanes->position[1][k] = r->y[i];
-        lanes->position[2][k] = r->z[i];
-        lanes->normal[0][k] = r->normal_x[i];
-        lanes->normal[1][k] = r->normal_y[i];
-        lanes->normal[2][k] = r->normal_z[i];
+        for (int axis = 0; axis < 3; axis++) {
+            lanes->position[axis][k] = points->position[axis][i];
+            lanes->normal[axis][k] = points->normal[axis][i];
+        }
         lanes->center_x[k] = (float)batch->column[i] + 0.5f;
         lanes->center_y[k] = (float)batch->row[i] + 0.5f;
         lanes->depth[k] = batch->stored[i];
@@ -253,13 +300,13 @@ static inline void pick_lanes(const shb_map *map, const shb_receivers *r, const 
     }
 }
 
-static NEVER_INLINE void test_planes(const shb_map *map, const shb_receivers *r,
+static NEVER_INLINE void test_planes(const shb_map *map, const shb_quick_points *points,
                                      const plane_batch *batch, const uint16_t *numbers,
                                      size_t count, float *visibility) {
     const double unit = map->occluders.slope_unit, smallest = SHB_HALF_ABSOLUTE * unit;
     plane_lanes lanes;
     wd position[3], normal[3];
-    pick_lanes(map, r, batch, numbers, count, &lanes);
+    pick_lanes(map, points, batch, numbers, count, &lanes);
     for (int k = 0; k < 3; k++) {
         position[k] = wd_load_floats(lanes.position[k]);
         normal[k] = wd_load_floats(lanes.normal[k]);
@@ -274,44 +321,48 @@ static NEVER_INLINE void test_planes(const shb_map *map, const shb_receivers *r,
         .slope_y = slope_y,
         .slope_error_x = wd_abs(slope_x) * SHB_HALF_RELATIVE + smallest,
         .slope_error_y = wd_abs(slope_y) * SHB_HALF_RELATIVE + smallest};
-    const wide_light_point points = wide_light_point_at(&map->rows, position, SHB_FLOAT_ROUNDING);
-    const wide_light_slopes slopes = wide_exact_slopes_of(&map->rows, &points, normal);
-    const wd errors = wide_exact_error_of(&points, &slopes);
-    const uint32_t shadowed = wide_exact_shadowed_bits(&points, &slopes, errors, &samples);
+    const wide_light_point placed = wide_light_point_at(&map->rows, position, SHB_FLOAT_ROUNDING);
+    const wide_light_slopes slopes = wide_exact_slopes_of(&map->rows, &placed, normal);
+    const wd errors = wide_exact_error_of(&placed, &slopes);
+    const uint32_t shadowed = wide_exact_shadowed_bits(&placed, &slopes, errors, &samples);
     for (size_t k = 0; k < DOUBLES && k < count; k++)
         visibility[numbers[k]] = shadowed >> k & 1 ? 0.0f : 1.0f;
 }
 
 static inline ALWAYS_INLINE void ask_planes_as(const shb_map *map, bool affine, bool gathers,
-                                               size_t lanes, const shb_receivers *receivers,
+                                               size_t lanes, const shb_quick_points *points,
                                                float *visibility) {
     plane_batch batch;
     uint16_t vectors[SHB_BATCH], unsure[SHB_BATCH];
     size_t unsure_count = 0;
-    place_fragments(map, gathers, lanes, receivers, &batch);
-    fetch_whole(map, lanes, batch.column, batch.row, batch.stored);
+    const shb_quick_points arrays = arrays_of(points, &batch);
+    place_fragments(map, gathers, lanes, points, &batch);
+    if (gathers)
+        read_placed(map, lanes, batch.texel, batch.inside, batch.stored);
+    else
+        fetch_whole(map, lanes, batch.column, batch.row, batch.stored);
     for (size_t i = 0; i < lanes; i += WIDE)
         vf_store(visibility + i, vf_splat(1.0f));
     const size_t vector_count = find_open(map, gathers, lanes, &batch, vectors);
     for (size_t n = 0; n < vector_count; n++) {
         const size_t i = vectors[n];
-        uint32_t bits = settle_open(map, affine, gathers, receivers, &batch, i, visibility);
+        uint32_t bits = settle_open(map, affine, gathers, &arrays, &batch, i, visibility);
         for (; bits; bits &= bits - 1)
             unsure[unsure_count++] = (uint16_t)(i + (size_t)__builtin_ctz(bits));
     }
     for (size_t n = 0; n < unsure_count; n += DOUBLES)
-        test_planes(map, receivers, &batch, unsure + n, unsure_count - n, visibility);
+        test_planes(map, &arrays, &batch, unsure + n, unsure_count - n, visibility);
 }
 
-static void ask_planes(const shb_map *map, size_t count, const shb_receivers *receivers,
+static void ask_planes(const shb_map *map, size_t count, const shb_quick_points *points,
                        float *visibility) {
     const size_t lanes = shb_round_to_lanes(count);
     const bool gathers =
         can_gather(map) && map->occluders.stride / 4 <= (size_t)INT32_MAX / map->info.height;
     if (!gathers)
-        ask_planes_as(map, map->projection.affine, false, lanes, receivers, visibility);
+        ask_planes_as(map, map->projection.affine, false, lanes, points, visibility);
     else if (map->projection.affine)
-        ask_planes_as(map, true, true, lanes, receivers, visibility);
+        ask_planes_as(map, true, true, lanes, points, visibility);
     else
-        ask_planes_as(map, false, true, lanes, receivers, visibility);
+        ask_planes_as(map, false, true, lanes, points, visibility);
 }

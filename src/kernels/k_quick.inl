@@ -159,7 +159,7 @@ static inline ALWAYS_INLINE bool project_quickly(const shb_map *map, const shb_q
         vi unsure = ~(vf_max(vf_abs(center_x), vf_abs(center_y)) < t.sure);
         const vi inside = (vi)((vu)texel_x < width) & (vi)((vu)texel_y < height);
         const vu place = (vu)inside & (vu_times_short((vu)texel_y, stride) + (vu)texel_x);
-        memcpy(out->place + i, &place, sizeof place);
+        vu_store(out->place + i, place);
         for (size_t lane = i; lane < i + WIDE; lane++)
             __builtin_prefetch(texels + out->place[lane]);
         if (plane) {

@@ -34,8 +34,8 @@ typedef struct shb_shade_kernels {
     void (*hard)(const shb_map *map, size_t count, const shb_receivers *receivers,
                  float *visibility);
 
-    /* The exact method by the planes that a map keeps. */
-    void (*planes)(const shb_map *map, size_t count, const shb_receivers *receivers,
+    /* The exact method by the planes that a map keeps. Packed points are a whole batch. */
+    void (*planes)(const shb_map *map, size_t count, const shb_quick_points *points,
                    float *visibility);
 
     /* Finds where the light sees the points of a group, reads the samples around them and finds

@@ -34,6 +34,9 @@ static inline void vf_store(float *p, vf v) {
 static inline void vi_store(int32_t *p, vi v) {
     memcpy(p, &v, sizeof v);
 }
+static inline void vu_store(uint32_t *p, vu v) {
+    memcpy(p, &v, sizeof v);
+}
 static inline vf vf_where(vi mask, vf yes, vf no) {
     return (vf)((mask & (vi)yes) | (~mask & (vi)no));
 }
