@@ -238,10 +238,25 @@ static float mutual_answer(const shb_map *map, const float at[3], const float tu
 
 enum { SAME_POINTS = 999 };
 
+/* The same points with gaps. */
+static shb_points spread_points(const shb_points *points) {
+    static float spread[SAME_POINTS][7];
+    for (size_t i = 0; i < SAME_POINTS; i++) {
+        memcpy(spread[i], points->positions + 3 * i, 3 * sizeof(float));
+        memcpy(spread[i] + 3, points->normals + 3 * i, 3 * sizeof(float));
+    }
+    return (shb_points){.count = SAME_POINTS,
+                        .positions = spread[0],
+                        .position_stride = sizeof spread[0],
+                        .normals = spread[0] + 3,
+                        .normal_stride = sizeof spread[0]};
+}
+
 /* Every instruction set that there is, on a map of its own. */
 static void check_same_answers(const shb_scene *scene, const shb_map_desc *desc,
                                const shb_points *points) {
     static float expected[SAME_POINTS], visibility[SAME_POINTS];
+    const shb_points spread = spread_points(points);
     const shb_bias exact = shb_bias_exact();
     for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa)) {
         const shb_context_desc capped = {.threads = 1, .max_isa = isa};
@@ -260,6 +275,8 @@ static void check_same_answers(const shb_scene *scene, const shb_map_desc *desc,
             CHECK(shadowed > SAME_POINTS / 20 && shadowed < SAME_POINTS * 3 / 4);
         }
         CHECK_INT(shb_map_visibility(map, points, &exact, NULL, visibility), SHB_OK);
+        CHECK(memcmp(visibility, expected, sizeof expected) == 0);
+        CHECK_INT(shb_map_visibility(map, &spread, &exact, NULL, visibility), SHB_OK);
         CHECK(memcmp(visibility, expected, sizeof expected) == 0);
         shb_map_destroy(map);
         shb_context_destroy(context);
