@@ -57,6 +57,15 @@ TEST(far_coordinates_and_depths_end_at_a_limit) {
     CHECK_NEAR(seen.depth, 1 << 30, 0);
 }
 
+/* Every product and sum of its row is -0. */
+TEST(a_depth_of_zero_has_no_sign) {
+    shb_view view = probe_orthographic(true);
+    view.clip_from_world = shb_mat4_identity();
+    const probe seen = project(view, 8, 4, (shb_vec3){0.25, 0.25, 0});
+    CHECK_INT(seen.texel_x, 5);
+    CHECK(seen.depth == 0 && !signbit(seen.depth));
+}
+
 TEST(points_behind_the_light_or_not_finite_have_no_texel) {
     const shb_view spot = probe_perspective(false), sun = probe_orthographic(true);
     const shb_vec3 none_of_spot[] = {{0, 0, 5},       {0, 0, 4},        {0.5, 0.5, 4},

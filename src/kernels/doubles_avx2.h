@@ -49,6 +49,9 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return (uint32_t)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
 }
+static inline bool wd_any_signed(wd v) {
+    return _mm256_movemask_pd(v) != 0;
+}
 static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
     const wd a = _mm256_loadu_pd(from[0]), b = _mm256_loadu_pd(from[1]);
     const wd c = _mm256_loadu_pd(from[2]), d = _mm256_loadu_pd(from[3]);

@@ -49,6 +49,9 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
 }
+static inline bool wd_any_signed(wd v) {
+    return _mm512_movepi64_mask(_mm512_castpd_si512(v)) != 0;
+}
 static inline wd two_quads(const double *low, const double *high) {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high),
                               1);

@@ -50,6 +50,10 @@ static inline uint32_t wd_greater_bits(wd a, wd b) {
     const uint64x2_t greater = vcgtq_f64(a, b);
     return (uint32_t)((vgetq_lane_u64(greater, 0) & 1) | (vgetq_lane_u64(greater, 1) & 2));
 }
+static inline bool wd_any_signed(wd v) {
+    const int64x2_t bits = vreinterpretq_s64_f64(v);
+    return (vgetq_lane_s64(bits, 0) | vgetq_lane_s64(bits, 1)) < 0;
+}
 static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
     for (int k = 0; k < 4; k += 2) {
         const wd a = vld1q_f64(from[0] + k), b = vld1q_f64(from[1] + k);

@@ -53,6 +53,10 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return a > b;
 }
+/* The sign bit is set in some lane. */
+static inline bool wd_any_signed(wd v) {
+    return signbit(v) != 0;
+}
 /* Four doubles from each place on, the first ones into out[0] and so on. */
 static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
     for (int k = 0; k < 4; k++)

@@ -52,6 +52,9 @@ static inline wd wd_abs(wd v) {
 static inline uint32_t wd_greater_bits(wd a, wd b) {
     return (uint32_t)_mm_movemask_pd(_mm_cmpgt_pd(a, b));
 }
+static inline bool wd_any_signed(wd v) {
+    return _mm_movemask_pd(v) != 0;
+}
 static inline void wd_read_quads(const double *const from[DOUBLES], wd out[4]) {
     for (int k = 0; k < 4; k += 2) {
         const wd a = _mm_loadu_pd(from[0] + k), b = _mm_loadu_pd(from[1] + k);

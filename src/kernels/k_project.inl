@@ -49,17 +49,41 @@ static inline ALWAYS_INLINE void write_scales(const shb_projection *p, wd w,
     wd_store_floats(r->depth_per_world + i, wd_min(p->depth_scale / (w * w), largest));
 }
 
-static inline ALWAYS_INLINE void write_texels(wd x, wd y, wd z, shb_receivers *restrict r,
-                                              size_t i) {
-    /* Neither a conversion to int nor a filter's walk from there may overflow. */
-    const double limit = -(double)SHB_TEXEL_NONE;
-    const wd column = limited(x, limit), row = limited(y, limit);
+/* Neither a conversion to int nor a filter's walk from there may overflow. */
+static const double texel_limit = -(double)SHB_TEXEL_NONE;
+
+typedef uint64_t wd_bits __attribute__((vector_size(8 * DOUBLES)));
+
+static inline ALWAYS_INLINE wd_bits bits_of(wd v) {
+    wd_bits bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
+/* Signed in lanes where a number without sign is beyond the limit. Such numbers are ordered as
+ * their bits are, which spares the few units that add and compare doubles. */
+static inline ALWAYS_INLINE wd_bits beyond_limit(wd value) {
+    return bits_of(wd_splat(texel_limit)) - bits_of(value);
+}
+
+/* True if in all lanes x and y have no sign and nothing is NaN or beyond the limit. */
+static inline ALWAYS_INLINE bool are_ordinary(wd x, wd y, wd z) {
+    const wd_bits signs = bits_of(x) | bits_of(y);
+    const wd_bits beyond = beyond_limit(x) | beyond_limit(y) | beyond_limit(wd_abs(z));
+    const wd_bits either = signs | beyond;
+    wd outside;
+    memcpy(&outside, &either, sizeof outside);
+    return !wd_any_signed(outside);
+}
+
+static inline ALWAYS_INLINE void write_texels(wd column, wd row, wd depth,
+                                              shb_receivers *restrict r, size_t i) {
     const wd texel_x = wd_floor(column), texel_y = wd_floor(row);
     wd_store_ints(r->texel_x + i, texel_x);
     wd_store_ints(r->texel_y + i, texel_y);
     wd_store_floats(r->to_center_x + i, texel_x + 0.5 - column);
     wd_store_floats(r->to_center_y + i, texel_y + 0.5 - row);
-    wd_store_floats(r->depth + i, limited(z, limit));
+    wd_store_floats(r->depth + i, depth);
 }
 
 /* A point that has no coordinates, behind the light or not finite, gets NaN for all three. */
@@ -83,13 +107,20 @@ static inline ALWAYS_INLINE void project(const shb_map *map, bool affine, bool s
             y *= inverse;
             z *= inverse;
         }
-        const wd good = (x + y + z) * 0.0; /* or NaN */
-        x += good;
-        y += good;
-        z += good;
-        write_texels(x, y, z, r, i);
+        if (are_ordinary(x, y, z)) {
+            z += 0.0; /* what good does to -0 */
+            write_texels(x, y, z, r, i);
+        } else {
+            const wd good = (x + y + z) * 0.0; /* or NaN */
+            x += good;
+            y += good;
+            z += good;
+            w = wd_where_equal(good, zero, w, one);
+            write_texels(limited(x, texel_limit), limited(y, texel_limit), limited(z, texel_limit),
+                         r, i);
+        }
         if (scale)
-            write_scales(&p, wd_where_equal(good, zero, w, one), r, i);
+            write_scales(&p, w, r, i);
         if (slope)
             write_slopes(&p, affine, x, y, z, r, i);
     }
