@@ -13,6 +13,26 @@ static inline ALWAYS_INLINE wd limited(wd value, double limit) {
     return wd_min(wd_max(value, wd_splat(-limit)), wd_splat(limit));
 }
 
+typedef uint64_t wd_bits __attribute__((vector_size(8 * DOUBLES)));
+
+static inline ALWAYS_INLINE wd_bits bits_of(wd v) {
+    wd_bits bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
+static inline ALWAYS_INLINE bool any_signed(wd_bits bits) {
+    wd numbers;
+    memcpy(&numbers, &bits, sizeof numbers);
+    return wd_any_signed(numbers);
+}
+
+/* Signed in lanes where a number without sign is NaN or beyond the limit. Such numbers are ordered
+ * as their bits are, which spares the few units that add and compare doubles. */
+static inline ALWAYS_INLINE wd_bits beyond(wd value, double limit) {
+    return bits_of(wd_splat(limit)) - bits_of(value);
+}
+
 /* Cut off at one map depth per texel; 0 if undefined. */
 static inline ALWAYS_INLINE wd limited_slope(wd slope) {
     return wd_where_equal(slope, slope, limited(slope, 1.0), wd_splat(0.0));
@@ -38,8 +58,13 @@ static inline ALWAYS_INLINE void write_slopes(const shb_projection *p, bool affi
         cb = cb - y * n_zw + z * n_yw;
         ac = ac - z * n_xw + x * n_zw;
     }
-    wd_store_floats(r->slope_x + i, limited_slope(cb / ab));
-    wd_store_floats(r->slope_y + i, limited_slope(ac / ab));
+    wd slope_x = cb / ab, slope_y = ac / ab;
+    if (!affine || any_signed(beyond(wd_abs(slope_x), 1.0) | beyond(wd_abs(slope_y), 1.0))) {
+        slope_x = limited_slope(slope_x);
+        slope_y = limited_slope(slope_y);
+    }
+    wd_store_floats(r->slope_x + i, slope_x);
+    wd_store_floats(r->slope_y + i, slope_y);
 }
 
 static inline ALWAYS_INLINE void write_scales(const shb_projection *p, wd w,
@@ -52,28 +77,10 @@ static inline ALWAYS_INLINE void write_scales(const shb_projection *p, wd w,
 /* Neither a conversion to int nor a filter's walk from there may overflow. */
 static const double texel_limit = -(double)SHB_TEXEL_NONE;
 
-typedef uint64_t wd_bits __attribute__((vector_size(8 * DOUBLES)));
-
-static inline ALWAYS_INLINE wd_bits bits_of(wd v) {
-    wd_bits bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits;
-}
-
-/* Signed in lanes where a number without sign is beyond the limit. Such numbers are ordered as
- * their bits are, which spares the few units that add and compare doubles. */
-static inline ALWAYS_INLINE wd_bits beyond_limit(wd value) {
-    return bits_of(wd_splat(texel_limit)) - bits_of(value);
-}
-
 /* True if in all lanes x and y have no sign and nothing is NaN or beyond the limit. */
 static inline ALWAYS_INLINE bool are_ordinary(wd x, wd y, wd z) {
-    const wd_bits signs = bits_of(x) | bits_of(y);
-    const wd_bits beyond = beyond_limit(x) | beyond_limit(y) | beyond_limit(wd_abs(z));
-    const wd_bits either = signs | beyond;
-    wd outside;
-    memcpy(&outside, &either, sizeof outside);
-    return !wd_any_signed(outside);
+    return !any_signed(bits_of(x) | beyond(x, texel_limit) | bits_of(y) | beyond(y, texel_limit) |
+                       beyond(wd_abs(z), texel_limit));
 }
 
 static inline ALWAYS_INLINE void write_texels(wd column, wd row, wd depth,
