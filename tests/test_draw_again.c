@@ -143,19 +143,25 @@ static const shb_mesh half_mesh = {
     .positions = half_corners, .vertex_count = 3, .triangle_count = 1};
 static const shb_instance half_instance = {.mesh = &half_mesh};
 
+/* Of these two cells. */
+static shb_draw_desc half_drawing(const shb_view *view, const shb_scene *scene, void *texels,
+                                  shb_format format, void *marks) {
+    return (shb_draw_desc){.view = view,
+                           .scene = scene,
+                           .width = 32,
+                           .height = 16,
+                           .depth = {.texels = texels, .format = format},
+                           .clear_marks = marks,
+                           .clear_marks_size = shb_clear_marks_size(32, 16)};
+}
+
 TEST(marked_images_are_cleared_where_they_were_drawn_in) {
     const shb_scene scene = {&half_instance, 1}, empty = {&half_instance, 0};
     const shb_view view = {.clip_from_world = shb_mat4_identity()};
     static float depths[16][32];
     const size_t size = shb_clear_marks_size(32, 16);
     void *marks = allocate(size);
-    shb_draw_desc desc = {.view = &view,
-                          .scene = &scene,
-                          .width = 32,
-                          .height = 16,
-                          .depth = {.texels = depths},
-                          .clear_marks = marks,
-                          .clear_marks_size = size};
+    shb_draw_desc desc = half_drawing(&view, &scene, depths, SHB_FORMAT_FLOAT32, marks);
     shb_context *context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_draw(context, &desc, NULL), SHB_OK);
     CHECK(depths[15][0] == 0.5f && depths[15][31] == 1.0f);
@@ -178,13 +184,7 @@ TEST(marked_images_are_stored_where_they_were_drawn_in) {
     static uint16_t depths[16][32];
     const size_t size = shb_clear_marks_size(32, 16);
     void *marks = allocate(size);
-    shb_draw_desc desc = {.view = &view,
-                          .scene = &scene,
-                          .width = 32,
-                          .height = 16,
-                          .depth = {.texels = depths, .format = SHB_FORMAT_UNORM16},
-                          .clear_marks = marks,
-                          .clear_marks_size = size};
+    shb_draw_desc desc = half_drawing(&view, &scene, depths, SHB_FORMAT_UNORM16, marks);
     shb_context *context = test_context(1, SHB_ISA_BEST);
     const bool trusts = shb_context_isa(context) != SHB_ISA_SCALAR;
     for (int i = 0; i < 3; i++) {

@@ -160,9 +160,12 @@ static void spoil(float *values, size_t count, test_random *random) {
             values[i] = odd[random_below(random, sizeof odd / sizeof *odd)];
 }
 
-TEST(quick_test_says_what_doubles_say_of_numbers_that_are_none) {
+typedef void check_fn(const shb_map *map, const shb_bias *bias, quick_case *c, test_random *random);
+
+/* On a map of every view, for every bias and instruction set. */
+static void check_everywhere(check_fn *check, uint64_t seed) {
     quick_case *c = malloc(sizeof *c);
-    test_random random = {32};
+    test_random random = {seed};
     for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
          isa = test_isa_after(isa))
         for (int kind = 0; kind < VIEWS; kind++) {
@@ -173,18 +176,31 @@ TEST(quick_test_says_what_doubles_say_of_numbers_that_are_none) {
             CHECK_INT(shb_map_wrap(context, &desc, c->depths, 0, NULL, &map), SHB_OK);
             for (int number = 0; number < BIASES; number++) {
                 const shb_bias bias = make_bias(number, 1);
-                place_points(c, (shb_vec3){0, 0, 0}, 1, &random);
-                fill_at_random(c, desc.view.reversed, &random);
-                spoil(c->depths, MAP * MAP, &random);
-                spoil(c->normals, 3 * POINTS, &random);
-                CHECK_INT(count_differences(map, &bias, c), 0);
-                spoil(c->positions + 300, 600, &random);
-                CHECK_INT(count_differences(map, &bias, c), 0);
+                check(map, &bias, c, &random);
             }
             shb_map_destroy(map);
             shb_context_destroy(context);
         }
     free(c);
+}
+
+static bool is_reversed(const shb_map *map) {
+    return shb_map_get_info(map)->view.reversed;
+}
+
+static void check_spoilt(const shb_map *map, const shb_bias *bias, quick_case *c,
+                         test_random *random) {
+    place_points(c, (shb_vec3){0, 0, 0}, 1, random);
+    fill_at_random(c, is_reversed(map), random);
+    spoil(c->depths, MAP * MAP, random);
+    spoil(c->normals, 3 * POINTS, random);
+    CHECK_INT(count_differences(map, bias, c), 0);
+    spoil(c->positions + 300, 600, random);
+    CHECK_INT(count_differences(map, bias, c), 0);
+}
+
+TEST(quick_test_says_what_doubles_say_of_numbers_that_are_none) {
+    check_everywhere(check_spoilt, 32);
 }
 
 /* Batch by batch a part of the scene: beside the batch before, or far from it; with normals that
@@ -219,31 +235,19 @@ static unsigned count_strided_differences(const shb_map *map, const shb_bias *bi
     return wrong;
 }
 
+static void check_parts(const shb_map *map, const shb_bias *bias, quick_case *c,
+                        test_random *random) {
+    place_in_parts(c, 1, random);
+    fill_at_random(c, is_reversed(map), random);
+    CHECK_INT(count_differences(map, bias, c), 0);
+    CHECK_INT(count_strided_differences(map, bias, c), 0);
+    fill_with_own_depths(c, is_reversed(map), random);
+    CHECK_INT(count_differences(map, bias, c), 0);
+    CHECK_INT(count_strided_differences(map, bias, c), 0);
+}
+
 TEST(quick_test_says_what_doubles_say_from_batch_to_batch) {
-    quick_case *c = malloc(sizeof *c);
-    test_random random = {33};
-    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
-         isa = test_isa_after(isa))
-        for (int kind = 0; kind < VIEWS; kind++) {
-            shb_context *context = test_context(1, isa);
-            shb_map_desc desc = {.width = MAP};
-            shb_map *map = NULL;
-            CHECK_INT(make_view(kind, (shb_vec3){0, 0, 0}, 1, &desc.view), SHB_OK);
-            CHECK_INT(shb_map_wrap(context, &desc, c->depths, 0, NULL, &map), SHB_OK);
-            for (int number = 0; number < BIASES; number++) {
-                const shb_bias bias = make_bias(number, 1);
-                place_in_parts(c, 1, &random);
-                fill_at_random(c, desc.view.reversed, &random);
-                CHECK_INT(count_differences(map, &bias, c), 0);
-                CHECK_INT(count_strided_differences(map, &bias, c), 0);
-                fill_with_own_depths(c, desc.view.reversed, &random);
-                CHECK_INT(count_differences(map, &bias, c), 0);
-                CHECK_INT(count_strided_differences(map, &bias, c), 0);
-            }
-            shb_map_destroy(map);
-            shb_context_destroy(context);
-        }
-    free(c);
+    check_everywhere(check_parts, 33);
 }
 
 typedef struct quick_batch {
