@@ -5,7 +5,7 @@
 #include "../src/kernels/shade.h"
 #include "../src/light_point.h"
 #include "../src/occluders.h"
-#include "contexts.h"
+#include "asked_map.h"
 #include "isas.h"
 #include "probe.h"
 #include "random.h"
@@ -133,21 +133,15 @@ static void check_light(shb_isa isa, const shb_view *view, uint32_t size, int *l
     static float points[POINTS][3], normals[POINTS][3], visibility[POINTS];
     test_random random = {size};
     soup s = {0};
-    shb_map *map;
-    shb_context *context;
-    const shb_context_desc desc = {.max_isa = isa};
-    const shb_map_desc map_desc = {
-        .view = *view, .width = size, .occluders = SHB_OCCLUDERS_TRIANGLES};
+    const shb_map_desc desc = {.view = *view, .width = size, .occluders = SHB_OCCLUDERS_TRIANGLES};
     const shb_points asked = {.count = POINTS, .positions = points[0], .normals = normals[0]};
     const shb_bias exact = shb_bias_exact();
     build(&s, &random);
     place_points(&s, &random, points, normals);
-    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
-    CHECK_INT(shb_map_create(context, &map_desc, &map), SHB_OK);
-    CHECK_INT(shb_map_draw(map, soup_scene(&s), NULL, NULL), SHB_OK);
-    CHECK_INT(shb_map_visibility(map, &asked, &exact, NULL, visibility), SHB_OK);
+    asked_map made = asked_map_draw(isa, &desc, &s);
+    CHECK_INT(shb_map_visibility(made.map, &asked, &exact, NULL, visibility), SHB_OK);
     for (int i = 0; i < POINTS; i++) {
-        const int expected = answer_alone(map, points[i]);
+        const int expected = answer_alone(made.map, points[i]);
         if (expected < 0)
             continue;
         test_check(visibility[i] == (float)expected, __FILE__, __LINE__,
@@ -156,8 +150,7 @@ static void check_light(shb_isa isa, const shb_view *view, uint32_t size, int *l
         *lit += expected;
         *dark += !expected;
     }
-    shb_map_destroy(map);
-    shb_context_destroy(context);
+    asked_map_close(&made);
     soup_free(&s);
 }
 
@@ -331,21 +324,17 @@ TEST(ways_make_their_first_step_side_by_side) {
     for (int v = 0; v < 2; v++) {
         test_random random = {7};
         soup s = {0};
-        shb_map *map;
-        shb_context *context = test_context(0, SHB_ISA_BEST);
         const shb_map_desc desc = {
             .view = views[v], .width = 48, .occluders = SHB_OCCLUDERS_TRIANGLES};
         build(&s, &random);
-        CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
-        CHECK_INT(shb_map_draw(map, soup_scene(&s), NULL, NULL), SHB_OK);
+        asked_map made = asked_map_draw(SHB_ISA_BEST, &desc, &s);
         for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa)) {
             int counts[2] = {0, 0};
-            check_group(isa, map, &s, &random, counts);
+            check_group(isa, made.map, &s, &random, counts);
             test_check(counts[0] > 500 && counts[1] > 500, __FILE__, __LINE__,
                        "%d stayed, %d made a step", counts[0], counts[1]);
         }
-        shb_map_destroy(map);
-        shb_context_destroy(context);
+        asked_map_close(&made);
         soup_free(&s);
     }
 }
@@ -374,21 +363,17 @@ TEST(walks_side_by_side_meet_what_each_meets_alone) {
     for (int v = 0; v < 2; v++) {
         test_random random = {5};
         soup s = {0};
-        shb_map *map;
-        shb_context *context = test_context(0, SHB_ISA_BEST);
         const shb_map_desc desc = {
             .view = views[v], .width = 64, .occluders = SHB_OCCLUDERS_TRIANGLES};
         int counts[2] = {0, 0};
         build(&s, &random);
-        CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
-        CHECK_INT(shb_map_draw(map, soup_scene(&s), NULL, NULL), SHB_OK);
+        asked_map made = asked_map_draw(SHB_ISA_BEST, &desc, &s);
         for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa))
             for (int i = 0; i < 200; i++)
-                check_crowd(isa, map, &random, counts);
+                check_crowd(isa, made.map, &random, counts);
         test_check(counts[0] > 20000 && counts[1] > 2000, __FILE__, __LINE__, "%d met, %d shadowed",
                    counts[0], counts[1]);
-        shb_map_destroy(map);
-        shb_context_destroy(context);
+        asked_map_close(&made);
         soup_free(&s);
     }
 }
