@@ -8,6 +8,7 @@
 #include "prepare.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Depth changes by this much from texel to texel at the near plane, on a plane at 45 degrees to the
  * light's axis. */
@@ -50,6 +51,8 @@ bool shb_occluders_create(shb_map *map) {
         return false;
     if (map->info.occluders != SHB_OCCLUDERS_PLANES)
         return true;
+    /* Kernels read the slopes of texels that nothing covers, too, though they decide nothing. */
+    memset(data->texels, 0, map->info.height * data->stride);
     data->quick = shb_quick_planes_of(map);
     const bool done =
         shb_joints_create(map->context, map->info.width, map->info.height, &data->joints);
