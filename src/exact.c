@@ -23,6 +23,11 @@ static bool has_planes_alone(const shb_map *map) {
     return map->info.occluders == SHB_OCCLUDERS_PLANES;
 }
 
+bool shb_exact_asks_triangles_alone(const shb_map *map) {
+    return map->info.occluders == SHB_OCCLUDERS_TRIANGLES && !map->classifies &&
+           map->occluders.held;
+}
+
 bool shb_exact_asks_planes_alone(const shb_map *map) {
     return has_planes_alone(map) && !map->classifies && map->occluders.held;
 }
@@ -33,6 +38,16 @@ static void ask_planes(const shb_map *map, size_t count, const shb_receivers *re
     map->context->shade_kernels->planes(map, count, &points, visibility);
 }
 
+static void ask_triangles(const shb_map *map, const shb_exact_points *points,
+                          const shb_receivers *r, float *visibility) {
+    const shb_walk_places places = {
+        {r->x, r->y, r->z}, {r->normal_x, r->normal_y, r->normal_z}, 1, 1};
+    shb_triangle_points asked;
+    shb_triangle_points_begin(map, &places, visibility, &asked);
+    shb_triangle_points_ask(&asked, points, 0);
+    shb_triangle_points_end(&asked);
+}
+
 /* By all that the map keeps for the exact method. */
 static void ask_occluders(const shb_map *map, const shb_exact_points *points,
                           const shb_receivers *receivers, float *visibility) {
@@ -41,7 +56,7 @@ static void ask_occluders(const shb_map *map, const shb_exact_points *points,
     else if (has_planes_alone(map))
         ask_planes(map, points->count, receivers, visibility);
     else
-        shb_exact_ask_triangles(map, points, receivers, visibility);
+        ask_triangles(map, points, receivers, visibility);
 }
 
 /* Writes the answers that are certain, and the numbers of the other fragments; returns how many
@@ -91,7 +106,7 @@ void shb_exact_visibility(const shb_filter_args *args) {
         return;
     }
     shb_exact_points points;
-    shb_exact_points_of(args, &points);
+    shb_exact_points_of(map, args->count, args->own, args->receivers, &points);
     if (settles)
         ask_sheets_first(map, &points, args->receivers, args->visibility);
     else

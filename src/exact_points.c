@@ -78,12 +78,11 @@ static bool fetch_triangles(const drawn_mesh *mesh, const uint32_t *ids, size_t 
 }
 
 /* False: a point is far from where it should be. */
-static bool place_all(const shb_filter_args *args, shb_exact_points *points) {
-    const drawn_mesh mesh = mesh_of(args->map);
-    const shb_receivers *r = args->receivers;
-    const shb_own_triangles *own = args->own;
+static bool place_all(const shb_map *map, const shb_own_triangles *own, const shb_receivers *r,
+                      shb_exact_points *points) {
+    const drawn_mesh mesh = mesh_of(map);
     uint16_t starts[SHB_BATCH + 1];
-    const size_t runs = find_runs(own->ids, args->count, starts);
+    const size_t runs = find_runs(own->ids, points->count, starts);
     bool agrees = fetch_triangles(&mesh, own->ids, runs, starts);
     for (size_t n = 0; n < runs && agrees; n++) {
         const placed_triangle t = triangle_of(&mesh, own->ids[starts[n]]);
@@ -110,19 +109,18 @@ static void fill_group(shb_exact_points *points) {
     }
 }
 
-void shb_exact_points_of(const shb_filter_args *args, shb_exact_points *points) {
-    const shb_receivers *r = args->receivers;
-    const shb_own_triangles *own = args->own;
-    points->count = args->count;
-    points->are_exact = own && own->ids && own->weight_1 && place_all(args, points);
+void shb_exact_points_of(const shb_map *map, size_t count, const shb_own_triangles *own,
+                         const shb_receivers *r, shb_exact_points *points) {
+    points->count = count;
+    points->are_exact = own && own->ids && own->weight_1 && place_all(map, own, r, points);
     points->has_ids = own && own->ids && (points->are_exact || !own->weight_1);
     if (!points->are_exact)
-        for (size_t i = 0; i < args->count; i++) {
+        for (size_t i = 0; i < count; i++) {
             points->x[i] = (double)r->x[i];
             points->y[i] = (double)r->y[i];
             points->z[i] = (double)r->z[i];
         }
-    for (size_t i = 0; i < args->count; i++)
+    for (size_t i = 0; i < count; i++)
         points->own_ids[i] = points->has_ids ? own->ids[i] : SHB_ID_NONE;
     fill_group(points);
 }

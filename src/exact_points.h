@@ -21,7 +21,8 @@ typedef struct shb_exact_points {
 
 /* The positions, or the points that the ids and weights of a batch name: if these do not agree with
  * all positions but for rounding, the ids are those of another scene, and nobody knows. */
-void shb_exact_points_of(const shb_filter_args *args, shb_exact_points *points);
+void shb_exact_points_of(const shb_map *map, size_t count, const shb_own_triangles *own,
+                         const shb_receivers *receivers, shb_exact_points *points);
 
 /* The points of these numbers. */
 void shb_exact_points_pick(const shb_exact_points *from, const uint16_t *numbers, size_t count,

@@ -145,44 +145,39 @@ static hit first_hit(const asking *a) {
                                           : HIT_NONE;
 }
 
-/* Whose ways have all ended before they met anything; if walks are cut, too, planes tell. */
-typedef struct doubtful_point {
-    size_t number;
-    uint32_t sample; /* the nearest one's triangle */
-    double center[2];
-} doubtful_point;
-
-/* What is left of a batch's points when ways have ended. */
-typedef struct left_points {
-    shb_walk_crowd crowd;
-    size_t doubtful_count;
-    doubtful_point doubtful[SHB_BATCH];
-} left_points;
-
 /* Walks go on where ways have ended. */
-static void add_walks(const asking *a, int count, const sheet_way *ways, left_points *left) {
+static void add_walks(const asking *a, int count, const sheet_way *ways, shb_left_points *left) {
     shb_walk_crowd *crowd = &left->crowd;
+    const shb_walk_group *g = a->group;
     bool is_known = !sees_all(a);
+    if (count == 0)
+        return;
+    const uint32_t point = (uint32_t)left->points.count++;
+    left->numbers[point] = a->number;
+    left->points.x[point] = g->world[0][a->i];
+    left->points.y[point] = g->world[1][a->i];
+    left->points.z[point] = g->world[2][a->i];
+    left->points.own_ids[point] = g->own_ids[a->i];
     for (int i = 0; i < count; i++) {
         const size_t n = crowd->count++;
         crowd->from_x[n] = ways[i].from[0];
         crowd->from_y[n] = ways[i].from[1];
-        crowd->to_x[n] = a->group->x[a->i];
-        crowd->to_y[n] = a->group->y[a->i];
+        crowd->to_x[n] = g->x[a->i];
+        crowd->to_y[n] = g->y[a->i];
         crowd->triangles[n] = ways[i].triangle;
-        crowd->points[n] = (uint32_t)a->number;
+        crowd->points[n] = point;
         is_known |= ways[i].hit != HIT_NONE;
     }
     if (is_known)
         return;
-    doubtful_point *point = &left->doubtful[left->doubtful_count++];
-    point->number = a->number;
-    point->sample = a->group->samples[0][a->i];
-    place_sample(a, 0, point->center);
+    shb_doubtful_point *doubtful = &left->doubtful[left->doubtful_count++];
+    doubtful->point = point;
+    doubtful->sample = g->samples[0][a->i];
+    place_sample(a, 0, doubtful->center);
 }
 
 /* One way for each triangle. */
-static bool is_shadowed(const asking *a, left_points *left_over) {
+static bool is_shadowed(const asking *a, shb_left_points *left_over) {
     surroundings near = {{SHB_ID_NONE, SHB_ID_NONE, SHB_ID_NONE, SHB_ID_NONE}};
     bool is_plain = sees_all(a);
     sheet_way ways[4];
@@ -207,17 +202,9 @@ static bool is_shadowed(const asking *a, left_points *left_over) {
     return false;
 }
 
-/* Points of a batch that the first step has left open. */
-typedef struct open_points {
-    shb_walk_group group;
-    SHB_ALIGN double world[3][SHB_LIST_GROUP];
-    uint32_t own_ids[SHB_LIST_GROUP];
-    uint16_t numbers[SHB_LIST_GROUP]; /* in the batch */
-} open_points;
-
-/* Takes point i of a group, which is number in the batch, as point n. */
+/* Takes point i of a group, as point n. */
 static void take_point(const shb_walk_group *from, size_t i, size_t number, size_t n,
-                       open_points *to) {
+                       shb_open_points *to) {
     to->group.x[n] = from->x[i];
     to->group.y[n] = from->y[i];
     for (int k = 0; k < 3; k++)
@@ -225,7 +212,7 @@ static void take_point(const shb_walk_group *from, size_t i, size_t number, size
     for (int k = 0; k < 4; k++)
         to->group.samples[k][n] = from->samples[k][i];
     to->own_ids[n] = from->own_ids[i];
-    to->numbers[n] = (uint16_t)number;
+    to->numbers[n] = number;
 }
 
 /* One bit for each point of a group. */
@@ -233,51 +220,19 @@ static uint64_t all_of(const shb_walk_group *g) {
     return UINT64_MAX >> (SHB_LIST_GROUP - g->count);
 }
 
-/* Everything that a batch is asked with. */
-typedef struct batch {
-    const shb_map *map;
-    const shb_exact_points *points;
-    const shb_receivers *receivers;
-    double rounding;
-    float *visibility;
-} batch;
-
-static void walk_all(const batch *b, left_points *left) {
-    if (left->crowd.count)
-        b->map->context->shade_kernels->walk(b->map, b->rounding, b->points, &left->crowd);
-}
-
-/* Answers what the first step has left open. */
-static void ask_open(const batch *b, open_points *open, left_points *left_over) {
-    shb_walk_group *g = &open->group;
-    if (g->count == 0)
-        return;
-    for (size_t n = g->count; n % SHB_LANES; n++) /* vectors are read as a whole */
-        take_point(g, g->count - 1, 0, n, open);
-    b->map->context->shade_kernels->beside(b->map, b->rounding, g);
-    uint64_t shadowed = g->in_front & all_of(g);
-    for (uint64_t left = all_of(g) & ~g->in_front & ~g->joined; left; left &= left - 1) {
-        const size_t i = (size_t)__builtin_ctzll(left);
-        const asking a = {b->map, b->rounding, g, i, open->numbers[i]};
-        if (SHB_WALK_CROWD - left_over->crowd.count < 4)
-            walk_all(b, left_over);
-        shadowed |= (uint64_t)is_shadowed(&a, left_over) << i;
-    }
-    for (; shadowed; shadowed &= shadowed - 1)
-        b->visibility[open->numbers[__builtin_ctzll(shadowed)]] = 0;
-    g->count = 0;
-}
-
 /* The test of mutual planes with the nearest sample's triangle. */
-static bool is_shadowed_by_planes(const batch *b, const doubtful_point *point) {
-    const shb_map *map = b->map;
-    const shb_receivers *r = b->receivers;
-    const size_t i = point->number;
-    const shb_occluder_plane *plane = &map->occluders.planes[point->sample];
-    const double position[3] = {(double)r->x[i], (double)r->y[i], (double)r->z[i]};
-    const double normal[3] = {(double)r->normal_x[i], (double)r->normal_y[i],
-                              (double)r->normal_z[i]};
-    const double *center = point->center;
+static bool is_shadowed_by_planes(const shb_triangle_points *asked,
+                                  const shb_doubtful_point *doubtful) {
+    const shb_map *map = asked->map;
+    const shb_walk_places *places = &asked->places;
+    const size_t number = asked->left.numbers[doubtful->point];
+    const shb_occluder_plane *plane = &map->occluders.planes[doubtful->sample];
+    double position[3], normal[3];
+    for (int k = 0; k < 3; k++) {
+        position[k] = (double)places->position[k][number * places->position_step];
+        normal[k] = (double)places->normal[k][number * places->normal_step];
+    }
+    const double *center = doubtful->center;
     const shb_exact_fragment fragment = shb_exact_fragment_of(&map->rows, position, normal);
     const shb_exact_sample sample = {.center_x = center[0],
                                      .center_y = center[1],
@@ -288,17 +243,51 @@ static bool is_shadowed_by_planes(const batch *b, const doubtful_point *point) {
     return shb_exact_is_shadowed(&fragment, &sample);
 }
 
-/* Ends all walks. */
-static void ask_left(const batch *b, left_points *left) {
+static void leave_none(shb_left_points *left) {
+    left->crowd.count = left->points.count = left->doubtful_count = 0;
+    memset(left->crowd.are_shadowed, 0, sizeof left->crowd.are_shadowed);
+    memset(left->crowd.are_known, 0, sizeof left->crowd.are_known);
+}
+
+static void end_walks(shb_triangle_points *asked) {
+    shb_left_points *left = &asked->left;
     const shb_walk_crowd *crowd = &left->crowd;
-    walk_all(b, left);
-    for (size_t i = 0; i < b->points->count; i++)
-        b->visibility[i] = crowd->are_shadowed[i] ? 0 : b->visibility[i];
+    if (crowd->count == 0)
+        return;
+    asked->map->context->shade_kernels->walk(asked->map, asked->rounding, &left->points,
+                                             &left->crowd);
+    for (size_t i = 0; i < left->points.count; i++)
+        if (crowd->are_shadowed[i])
+            asked->visibility[left->numbers[i]] = 0;
     for (size_t k = 0; k < left->doubtful_count; k++) {
-        const doubtful_point *point = &left->doubtful[k];
-        if (!crowd->are_known[point->number] && is_shadowed_by_planes(b, point))
-            b->visibility[point->number] = 0;
+        const shb_doubtful_point *doubtful = &left->doubtful[k];
+        if (!crowd->are_known[doubtful->point] && is_shadowed_by_planes(asked, doubtful))
+            asked->visibility[left->numbers[doubtful->point]] = 0;
     }
+    leave_none(left);
+}
+
+/* Answers what the samples themselves have left open, or leaves it to walks. */
+static void ask_open(shb_triangle_points *asked) {
+    const shb_map *map = asked->map;
+    shb_open_points *open = &asked->open;
+    shb_walk_group *g = &open->group;
+    if (g->count == 0)
+        return;
+    for (size_t n = g->count; n % SHB_LANES; n++) /* vectors are read as a whole */
+        take_point(g, g->count - 1, 0, n, open);
+    map->context->shade_kernels->beside(map, asked->rounding, g);
+    uint64_t shadowed = g->in_front & all_of(g);
+    for (uint64_t left = all_of(g) & ~g->in_front & ~g->joined; left; left &= left - 1) {
+        const size_t i = (size_t)__builtin_ctzll(left);
+        const asking a = {map, asked->rounding, g, i, open->numbers[i]};
+        if (SHB_WALK_CROWD - asked->left.crowd.count < 4)
+            end_walks(asked);
+        shadowed |= (uint64_t)is_shadowed(&a, &asked->left) << i;
+    }
+    for (; shadowed; shadowed &= shadowed - 1)
+        asked->visibility[open->numbers[__builtin_ctzll(shadowed)]] = 0;
+    g->count = 0;
 }
 
 static void start_group(const shb_exact_points *points, size_t first, shb_walk_group *group) {
@@ -310,37 +299,49 @@ static void start_group(const shb_exact_points *points, size_t first, shb_walk_g
     group->own_ids = points->own_ids + first;
 }
 
-void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
-                             const shb_receivers *receivers, float *visibility) {
-    const batch b = {map, points, receivers,
-                     points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING, visibility};
-    shb_walk_group group;
-    open_points open;
-    left_points left_over;
-    open.group.count = 0;
-    open.group.own_ids = open.own_ids;
+void shb_triangle_points_begin(const shb_map *map, const shb_walk_places *places, float *visibility,
+                               shb_triangle_points *asked) {
+    asked->map = map;
+    asked->places = *places;
+    asked->visibility = visibility;
+    asked->rounding = 0;
+    asked->open.group.count = 0;
+    asked->open.group.own_ids = asked->open.own_ids;
     for (int k = 0; k < 3; k++)
-        open.group.world[k] = open.world[k];
-    left_over.crowd.count = left_over.doubtful_count = 0;
-    memset(left_over.crowd.are_shadowed, 0, sizeof left_over.crowd.are_shadowed);
-    memset(left_over.crowd.are_known, 0, sizeof left_over.crowd.are_known);
+        asked->open.group.world[k] = asked->open.world[k];
+    leave_none(&asked->left);
+}
+
+void shb_triangle_points_end(shb_triangle_points *asked) {
+    ask_open(asked);
+    end_walks(asked);
+}
+
+void shb_triangle_points_ask(shb_triangle_points *asked, const shb_exact_points *points,
+                             size_t first) {
+    const shb_map *map = asked->map;
+    const double rounding = points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING;
+    shb_open_points *open = &asked->open;
+    float *visibility = asked->visibility + first;
+    shb_walk_group group;
+    if (rounding != asked->rounding)
+        shb_triangle_points_end(asked);
+    asked->rounding = rounding;
     for (size_t i = 0; i < points->count; i++)
         visibility[i] = 1;
     if (map->occluders.plane_count == 0) /* the kernels read a triangle in any case */
         return;
-    for (size_t first = 0; first < points->count; first += SHB_LIST_GROUP) {
-        start_group(points, first, &group);
-        map->context->shade_kernels->nearest(map, b.rounding, &group);
+    for (size_t start = 0; start < points->count; start += SHB_LIST_GROUP) {
+        start_group(points, start, &group);
+        map->context->shade_kernels->nearest(map, rounding, &group);
         const uint64_t all = all_of(&group);
         for (uint64_t left = group.in_front & all; left; left &= left - 1)
-            visibility[first + (size_t)__builtin_ctzll(left)] = 0;
+            visibility[start + (size_t)__builtin_ctzll(left)] = 0;
         for (uint64_t left = all & ~group.in_front & ~group.joined; left; left &= left - 1) {
             const size_t i = (size_t)__builtin_ctzll(left);
-            if (open.group.count == SHB_LIST_GROUP)
-                ask_open(&b, &open, &left_over);
-            take_point(&group, i, first + i, open.group.count++, &open);
+            if (open->group.count == SHB_LIST_GROUP)
+                ask_open(asked);
+            take_point(&group, i, first + start + i, open->group.count++, open);
         }
     }
-    ask_open(&b, &open, &left_over);
-    ask_left(&b, &left_over);
 }

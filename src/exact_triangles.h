@@ -29,13 +29,13 @@ typedef struct shb_walk_group {
 
 #define SHB_WALK_CROWD 256
 
-/* Walks of a batch's points that are to go on where ways have ended. */
+/* Walks of points that are to go on where ways have ended. */
 typedef struct shb_walk_crowd {
     size_t count;
     double from_x[SHB_WALK_CROWD], from_y[SHB_WALK_CROWD]; /* where the ways began, texels */
     double to_x[SHB_WALK_CROWD], to_y[SHB_WALK_CROWD];     /* where the points are */
     uint32_t triangles[SHB_WALK_CROWD]; /* where the ways have ended, at or near the line */
-    uint32_t points[SHB_WALK_CROWD];    /* in the batch */
+    uint32_t points[SHB_WALK_CROWD];
     /* By point: a triangle in front of it was met; one that can be compared was met, or a walk
      * ended without being cut. */
     bool are_shadowed[SHB_BATCH], are_known[SHB_BATCH];
@@ -45,8 +45,56 @@ typedef struct shb_walk_crowd {
  * what is summed up. */
 #define SHB_PLANE_ROUNDING 0x1p-50
 
-/* One batch; receivers holds its positions and normals. */
-void shb_exact_ask_triangles(const shb_map *map, const shb_exact_points *points,
-                             const shb_receivers *receivers, float *visibility);
+/* Positions and normals of all points, so many floats apart. */
+typedef struct shb_walk_places {
+    const float *position[3], *normal[3];
+    size_t position_step, normal_step;
+} shb_walk_places;
+
+/* Points that the samples themselves have left open. */
+typedef struct shb_open_points {
+    shb_walk_group group;
+    SHB_ALIGN double world[3][SHB_LIST_GROUP];
+    uint32_t own_ids[SHB_LIST_GROUP];
+    size_t numbers[SHB_LIST_GROUP];
+} shb_open_points;
+
+/* A point whose ways have all ended before they met anything; if walks are cut, too, planes tell.
+ */
+typedef struct shb_doubtful_point {
+    uint32_t point;  /* of those that are left */
+    uint32_t sample; /* the nearest one's triangle */
+    double center[2];
+} shb_doubtful_point;
+
+/* What is left of points when ways have ended. */
+typedef struct shb_left_points {
+    shb_walk_crowd crowd;
+    shb_exact_points points;
+    size_t numbers[SHB_BATCH];
+    size_t doubtful_count;
+    shb_doubtful_point doubtful[SHB_BATCH];
+} shb_left_points;
+
+/* Points that are asked batch by batch. What a batch leaves open waits until there is enough of it
+ * to go on side by side. */
+typedef struct shb_triangle_points {
+    const shb_map *map;
+    shb_walk_places places;
+    float *visibility;
+    double rounding; /* of the positions, as in light_point.h */
+    shb_open_points open;
+    shb_left_points left;
+} shb_triangle_points;
+
+void shb_triangle_points_begin(const shb_map *map, const shb_walk_places *places, float *visibility,
+                               shb_triangle_points *asked);
+
+/* The points from number first on. */
+void shb_triangle_points_ask(shb_triangle_points *asked, const shb_exact_points *points,
+                             size_t first);
+
+/* Answers what is still open. */
+void shb_triangle_points_end(shb_triangle_points *asked);
 
 #endif

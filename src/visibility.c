@@ -1,6 +1,8 @@
 #include "visibility.h"
 
+#include "exact.h"
 #include "exact_points.h"
+#include "exact_triangles.h"
 #include "kernels/shade.h"
 #include "kernels/sheets.h"
 #include "lists.h"
@@ -253,6 +255,37 @@ static shb_result check_points(const shb_map *map, const shb_points *points,
     return shb_points_check(map->context, "shb_map_visibility", points);
 }
 
+static bool asks_triangles(const shb_map *map, const shb_bias *bias, const shb_filter *filter) {
+    return bias->needs & SHB_NEEDS_OCCLUDERS && shb_exact_asks_triangles_alone(map) &&
+           (!filter || filter->exact == shb_exact_visibility);
+}
+
+/* The exact method where the map keeps triangles. */
+static void ask_triangles(const shb_map *map, const shb_points *points, float *visibility) {
+    const float *position = points->positions, *normal = points->normals;
+    const size_t position_stride = shb_triple_stride(points->position_stride);
+    const size_t normal_stride = shb_triple_stride(points->normal_stride);
+    const shb_walk_places places = {{position, position + 1, position + 2},
+                                    {normal, normal + 1, normal + 2},
+                                    position_stride / sizeof *position,
+                                    normal_stride / sizeof *normal};
+    shb_receivers batch;
+    shb_exact_points exact;
+    shb_triangle_points asked;
+    shb_triangle_points_begin(map, &places, visibility, &asked);
+    for (size_t first = 0; first < points->count; first += SHB_BATCH) {
+        const size_t left = points->count - first, count = left < SHB_BATCH ? left : SHB_BATCH;
+        const shb_own_triangles own = own_from(&points->own, first);
+        prefetch_answers(visibility + first, count);
+        load(map->context->shade_kernels, position, position_stride, first, count, batch.x, batch.y,
+             batch.z);
+        prefetch(position, position_stride, first + count, points->count);
+        shb_exact_points_of(map, count, &own, &batch, &exact);
+        shb_triangle_points_ask(&asked, &exact, first);
+    }
+    shb_triangle_points_end(&asked);
+}
+
 shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,
                               const shb_filter *filter, float *visibility) {
     if (!map)
@@ -265,6 +298,10 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
         result = shb_own_triangles_check(map, "shb_map_visibility", points);
     if (result != SHB_OK)
         return result;
+    if (points->count && asks_triangles(map, bias, filter)) {
+        ask_triangles(map, points, visibility);
+        return SHB_OK;
+    }
 
     const shb_filter hard = shb_filter_hard();
     const shb_shade_kernels *kernels = map->context->shade_kernels;

@@ -167,6 +167,84 @@ TEST(whole_walks_say_what_is_settled_without_them) {
     }
 }
 
+/* Points with gaps between them, and the triangles that they lie on. */
+typedef struct named_point {
+    float position[3], normal[3], gap;
+} named_point;
+
+typedef struct named_points {
+    named_point at[POINTS];
+    uint32_t ids[POINTS];
+    float weight_1[POINTS], weight_2[POINTS];
+} named_points;
+
+static void name_points(const soup *s, test_random *random, named_points *named) {
+    for (int i = 0; i < POINTS; i++) {
+        named->ids[i] = random_below(random, s->count);
+        const float *t = s->positions + 9 * (size_t)named->ids[i];
+        const double u = random_double(random, 0, 1), v = random_double(random, 0, 1 - u);
+        named->weight_1[i] = (float)u;
+        named->weight_2[i] = (float)v;
+        for (int k = 0; k < 3; k++) {
+            const double a = (double)t[k], b = (double)t[3 + k], c = (double)t[6 + k];
+            named->at[i].position[k] = (float)(a + (u * (b - a) + v * (c - a)));
+            named->at[i].normal[k] = (float)random_double(random, -1, 1);
+        }
+    }
+}
+
+static void ask_named(const asked_map *made, const named_points *named, size_t first, size_t count,
+                      float *visibility) {
+    const shb_bias exact = shb_bias_exact();
+    const shb_points points = {
+        .count = count,
+        .positions = named->at[first].position,
+        .position_stride = sizeof *named->at,
+        .normals = named->at[first].normal,
+        .normal_stride = sizeof *named->at,
+        .own = {named->ids + first, named->weight_1 + first, named->weight_2 + first}};
+    CHECK_INT(shb_map_visibility(made->map, &points, &exact, NULL, visibility + first), SHB_OK);
+}
+
+/* Slanted plates that no edge joins: walks over them are cut. */
+static void add_plates(soup *s, test_random *random) {
+    for (int i = 0; i < 30 * 30; i++) {
+        const float x = 0.03f * (float)(i % 30) - 0.4f, y = 0.03f * (float)(i / 30) - 0.4f;
+        float corners[4][3];
+        for (int k = 0; k < 4; k++) {
+            corners[k][0] = x + (k == 1 || k == 2 ? 0.029f : 0);
+            corners[k][1] = y + (k >= 2 ? 0.029f : 0);
+            corners[k][2] = (float)random_double(random, 0.6, 0.63);
+        }
+        soup_add_quad(s, corners[0], corners[1], corners[2], corners[3]);
+    }
+}
+
+/* In every other batch one name is wrong, so that floats count there. */
+TEST(points_that_wait_for_later_batches_are_answered_as_without_these) {
+    static named_points named;
+    static float together[POINTS], apart[POINTS];
+    test_random random = {5};
+    soup s = {0};
+    const shb_map_desc desc = {
+        .view = spot(false), .width = 61, .occluders = SHB_OCCLUDERS_TRIANGLES};
+    build(&s, &random);
+    add_plates(&s, &random);
+    name_points(&s, &random, &named);
+    for (size_t i = 0; i < POINTS; i += 2 * SHB_BATCH)
+        named.weight_1[i] += 0.5f;
+    asked_map made = asked_map_draw(SHB_ISA_BEST, &desc, &s);
+    ask_named(&made, &named, 0, POINTS, together);
+    for (size_t i = 0; i < POINTS; i += SHB_BATCH)
+        ask_named(&made, &named, i, POINTS - i < SHB_BATCH ? POINTS - i : SHB_BATCH, apart);
+    size_t different = 0;
+    for (size_t i = 0; i < POINTS; i++)
+        different += together[i] != apart[i];
+    CHECK_INT(different, 0);
+    asked_map_close(&made);
+    soup_free(&s);
+}
+
 /* Where a triangle's plane lies for a point in the world, unless rounding might tell it otherwise.
  */
 static alone_hit compare_world(const shb_map *map, const double p[3], uint32_t triangle) {
