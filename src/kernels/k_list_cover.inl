@@ -21,8 +21,6 @@
  * All of it holds for cells that are larger by the frame's rim. A sample that an edge passes too
  * closely, and triangles whose outline is not known, leave a number that nothing takes away. */
 
-#include "kept_lanes.h"
-
 /* Where triangles are counted, in a cell's size from its corner: where no edge passes by because a
  * mesh and the map are aligned. */
 #define LIST_SAMPLE_X 0x1.1p-1f

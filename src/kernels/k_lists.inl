@@ -21,6 +21,7 @@
 #include "lists.h"
 #include "vectors.h"
 
+#include "kept_lanes.h"
 #include "lane_masks.h"
 
 enum { LIST_LANES = SHB_LIST_LANES };
@@ -274,8 +275,11 @@ static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_ve
 
 #include "k_list_vertices.inl"
 
+#include "k_list_runs.inl"
+
 #include "k_list_ask.inl"
 #include "k_list_cover.inl"
 
-const shb_list_kernels LIST_KERNELS = {see_vertices,  prepare_triangles, cover_cells,
-                                       locate_points, take_entries,      answer_questions};
+const shb_list_kernels LIST_KERNELS = {see_vertices,    prepare_triangles, cover_cells,
+                                       locate_points,   start_runs,        take_entries,
+                                       answer_questions};

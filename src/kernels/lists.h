@@ -20,7 +20,7 @@ typedef struct shb_list_vertex {
     double inverse_w; /* 0: in front of the near plane; NaN: not finite, has no triangles */
 } shb_list_vertex;
 
-/* Points or vertices that are looked at together. */
+/* Vertices, or points of a map of triangles, that are looked at together. */
 #define SHB_LIST_GROUP 64
 
 /* A group's vertices in their mesh's and in the world's coordinates. */
@@ -123,25 +123,40 @@ typedef struct shb_list_cover {
  * on, one bit each. */
 #define SHB_LIST_RUN 8
 
-/* Points that ask at the same time, as the light sees them. */
+/* Points that ask at the same time: what each step of asking reads is on its way for all of them
+ * while the step before is at work. */
+#define SHB_LIST_POINTS 256
+
+/* These, as the light sees them; the last one fills up SHB_LIST_LANES. */
 typedef struct shb_list_group {
+    size_t count;
     const double *world[3];
-    SHB_ALIGN double x[SHB_LIST_GROUP];
-    double y[SHB_LIST_GROUP], depth[SHB_LIST_GROUP];
-    float about_x[SHB_LIST_GROUP + SHB_LIST_RUN]; /* x and y rounded, and what vectors may read */
-    float about_y[SHB_LIST_GROUP + SHB_LIST_RUN];
-    double inverse_w[SHB_LIST_GROUP];
-    double scale[SHB_LIST_GROUP]; /* of the triangles' bounds: above 1 outside the scene */
-    int32_t column[SHB_LIST_GROUP], row[SHB_LIST_GROUP]; /* texel; column -1: not in the view */
-    bool has_own;                                /* it is known on which triangles the points lie */
-    uint32_t own[SHB_LIST_GROUP + SHB_LIST_RUN]; /* these, and what vectors may read */
+    SHB_ALIGN double x[SHB_LIST_POINTS];
+    double y[SHB_LIST_POINTS], depth[SHB_LIST_POINTS];
+    double inverse_w[SHB_LIST_POINTS];
+    double scale[SHB_LIST_POINTS]; /* of the triangles' bounds: above 1 outside the scene */
+    bool has_outside;              /* there is such a one */
+    /* x, y and depth rounded, and what vectors may read */
+    float about_x[SHB_LIST_POINTS + SHB_LIST_LANES];
+    float about_y[SHB_LIST_POINTS + SHB_LIST_LANES];
+    float about_depth[SHB_LIST_POINTS + SHB_LIST_LANES];
+    int32_t texel[SHB_LIST_POINTS]; /* row * 2^16 + column; -1: not in the view */
+    bool has_own;                   /* it is known on which triangles the points lie */
+    uint32_t own[SHB_LIST_POINTS + SHB_LIST_LANES]; /* these, and what vectors may read */
 } shb_list_group;
 
-/* Points of a group that follow each other in one cell. */
+/* Points of a group that follow each other in one cell, up to where the next ones begin. */
+typedef struct shb_list_span {
+    const shb_list_cell *cell;
+    const shb_list_entry *entries; /* of the cell's tile */
+    size_t first;
+} shb_list_span;
+
+/* As many of them as are asked at the same time. */
 typedef struct shb_list_run {
     const shb_list_entry *entry, *end; /* that are left to ask */
     float depth;                       /* no open point's is greater but for rounding */
-    uint8_t first;                     /* at most SHB_LIST_GROUP - SHB_LIST_RUN */
+    uint8_t first;                     /* at most SHB_LIST_POINTS - SHB_LIST_RUN */
     uint8_t open; /* points from the first on that are not in shadow so far, one bit each */
 } shb_list_run;
 
@@ -174,8 +189,16 @@ typedef struct shb_list_kernels {
      * there is no room for all the entries. */
     bool (*cover)(shb_list_cover *cover);
 
-    /* Finds where the light sees the points. */
-    void (*locate)(const shb_list_frame *frame, shb_list_group *group);
+    /* Finds where the light sees the points. Writes the numbers of those that do not lie in the
+     * same texel as the one before; returns how many. */
+    size_t (*locate)(const shb_list_frame *frame, shb_list_group *group,
+                     int32_t changes[SHB_LIST_POINTS + SHB_LIST_LANES]);
+
+    /* Makes runs of spans, behind which is one more for their end, and fetches their entries.
+     * Points that their cells put into shadow have visibility 0 and are in no run. Returns how many
+     * runs there are. */
+    size_t (*start)(const shb_list_group *group, const shb_list_span *spans, size_t count,
+                    shb_list_run runs[SHB_LIST_POINTS], float *visibility);
 
     /* Makes questions of the next SHB_LIST_STEP entries of each run, or as many as are left if
      * these are fewer: one for each that begins at the run's depth or before. There is room for
