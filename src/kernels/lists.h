@@ -140,8 +140,8 @@ typedef struct shb_list_group {
     float about_x[SHB_LIST_POINTS + SHB_LIST_LANES];
     float about_y[SHB_LIST_POINTS + SHB_LIST_LANES];
     float about_depth[SHB_LIST_POINTS + SHB_LIST_LANES];
-    int32_t texel[SHB_LIST_POINTS]; /* row * 2^16 + column; -1: not in the view */
-    bool has_own;                   /* it is known on which triangles the points lie */
+    int32_t texel[SHB_LIST_POINTS + SHB_LIST_LANES]; /* row * 2^16 + column; -1: not in the view */
+    bool has_own; /* it is known on which triangles the points lie */
     uint32_t own[SHB_LIST_POINTS + SHB_LIST_LANES]; /* these, and what vectors may read */
 } shb_list_group;
 
