@@ -193,8 +193,18 @@ static inline vu vu_times_short(vu a, uint32_t b) {
 /* The floats at indices that lie in memory, which spares taking a vector of them apart. */
 static inline vf vf_read(const float *base, const uint32_t *indices) {
     vf v;
+#if WIDE == 16
+    /* Of sixteen single ones compilers make a broadcast with a mask each. */
+    __m128 four[4];
+    for (int i = 0; i < 4; i++)
+        four[i] = _mm_setr_ps(base[indices[4 * i]], base[indices[4 * i + 1]],
+                              base[indices[4 * i + 2]], base[indices[4 * i + 3]]);
+    const __m256 low = _mm256_set_m128(four[1], four[0]), high = _mm256_set_m128(four[3], four[2]);
+    v = _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+#else
     for (int i = 0; i < WIDE; i++)
         v[i] = base[indices[i]];
+#endif
     return v;
 }
 
