@@ -8,7 +8,7 @@
 #include <string.h>
 
 static void clear_table(shb_surface_table *table) {
-    memset(table->ids, 0xff, sizeof table->ids); /* of no triangle */
+    memset(table->met_ids, 0xff, sizeof table->met_ids); /* of no triangle */
     table->count = 0;
     table->prepared = 0;
     table->lacks = false;
@@ -22,7 +22,7 @@ void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kerne
     reader->view = *view;
     reader->instance_count = 0;
     reader->next_instance = 0;
-    memset(reader->table.places, 0, sizeof reader->table.places);
+    memset(reader->table.met_places, 0, sizeof reader->table.met_places);
     clear_table(&reader->table);
     reader->left = left;
     for (uint32_t i = 0; i < SHB_SPAN; i++) {
@@ -186,106 +186,41 @@ static const uint32_t *row_of_ids(const shb_frame *frame, uint32_t row) {
 }
 
 /* Puts the ids below a span in reach, which are asked for next but lie far away in memory. */
-static void prefetch_next(const shb_frame *frame, const shb_fragment_span *span) {
+static void prefetch_next(const shb_frame *frame, const shb_piece *span) {
     enum { LINE = 64 / sizeof(uint32_t) };
     if (span->row + 1 == frame->height)
         return;
-    const uint32_t *ids = row_of_ids(frame, span->row + 1);
-    for (uint32_t i = span->column; i < span->end; i += LINE)
+    const uint32_t *ids = row_of_ids(frame, span->row + 1) + span->column;
+    for (uint32_t i = 0; i < span->count; i += LINE)
         __builtin_prefetch(ids + i);
 }
 
-/* The place of a triangle in the table of *count ones, where it is or to be prepared. Without a
- * branch for whether it is, which no processor could predict. An id that is written behind the last
- * one is not found there: its entry leads to where it is. */
-static inline uint32_t find_place(shb_surface_table *table, uint32_t id, uint32_t *count) {
-    uint16_t *known = &table->places[id % SHB_TABLE_PLACES];
-    const uint32_t held = *known, next = *count;
-    const uint32_t is_new = table->ids[held] != id;
-    const uint32_t place = held + ((next - held) & (0 - is_new));
-    *known = (uint16_t)place;
-    table->ids[next] = id;
-    *count = next + is_new;
-    return place;
-}
-
-/* Finds the place of each covered pixel's triangle, run by run of equal ids; other pixels get any.
- */
-static void find_places(shb_surface_table *table, size_t pixels, const uint32_t *ids,
-                        const shb_span_marks *marks, uint32_t *places) {
-    enum { AT_ONCE = 8 };
-    uint32_t triangles = table->count, place = 0;
-    size_t filled = SHB_SPAN;
-    for (size_t word = 0; word < SHB_SPAN_WORDS; word++) {
-        for (uint64_t starts = marks->starts[word]; starts; starts &= starts - 1) {
-            const size_t begin = 64 * word + (size_t)__builtin_ctzll(starts);
-            for (; filled < begin; filled++)
-                places[filled] = place;
-            place = find_place(table, ids[begin], &triangles);
-            for (size_t k = 0; k < AT_ONCE; k++)
-                places[begin + k] = place;
-            filled = begin + AT_ONCE;
-        }
-    }
-    for (; filled < pixels; filled++)
-        places[filled] = place;
-    table->count = triangles;
-}
-
-/* Appends pixels to the batch's pieces. */
-static void add_piece(shb_fragment_batch *batch, uint32_t row, uint32_t column, uint32_t count) {
-    const size_t pieces = batch->piece_count;
-    shb_piece *last = &batch->pieces[pieces ? pieces - 1 : 0];
-    if (pieces && last->row == row && last->column + last->count == column)
-        last->count += count;
-    else
-        batch->pieces[batch->piece_count++] = (shb_piece){row, column, count};
-}
-
-/* Appends the pixels from begin on of the reader's columns. */
-static void add_pixels(const shb_fragment_reader *reader, uint32_t row, size_t begin, size_t size,
-                       const uint32_t *ids, const uint32_t *places, shb_fragment_batch *batch) {
-    const size_t count = batch->count;
-    shb_fragments *fragments = &batch->fragments;
-    memcpy(fragments->id + count, ids + begin, size * sizeof *ids);
-    memcpy(batch->places + count, places + begin, size * sizeof *places);
-    memcpy(fragments->pixel_x + count, reader->columns + begin, size * sizeof *reader->columns);
-    memcpy(batch->centers_x + count, reader->centers + begin, size * sizeof *reader->centers);
-    add_piece(batch, row, reader->left + (uint32_t)begin, (uint32_t)size);
-    batch->count = count + size;
-}
-
-/* Appends the pixels of a span whose bits are set. */
-static void add_covered(const shb_fragment_reader *reader, uint32_t row, const uint64_t *covered,
-                        const uint32_t *ids, const uint32_t *places, shb_fragment_batch *batch) {
-    for (size_t word = 0; word < SHB_SPAN_WORDS; word++)
-        for (uint64_t bits = covered[word]; bits;) {
-            const uint64_t behind = bits + (bits & -bits); /* the carry runs through the piece */
-            const size_t begin = (size_t)__builtin_ctzll(bits);
-            const size_t end = behind ? (size_t)__builtin_ctzll(behind) : 64;
-            add_pixels(reader, row, 64 * word + begin, end - begin, ids, places, batch);
-            bits &= behind;
-        }
-}
-
-void shb_fragments_take(shb_fragment_reader *reader, const shb_fragment_span *span,
+void shb_fragments_take(shb_fragment_reader *reader, const shb_piece *span,
                         shb_fragment_batch *batch) {
     const shb_frame *frame = reader->frame;
-    const uint32_t *ids = row_of_ids(frame, span->row) + span->column;
-    uint32_t places[SHB_SPAN + SHB_TABLE_MARGIN];
-    shb_span_marks marks;
     prefetch_next(frame, span);
-    if (!reader->kernels->marks(ids, span->end - span->column, &marks))
-        return;
-    size_t i = batch->count;
-    if (i == 0 && reader->table.count + SHB_BATCH > SHB_TABLE)
+    if (batch->count == 0 && reader->table.count + SHB_BATCH > SHB_TABLE)
         clear_table(&reader->table);
-    find_places(&reader->table, span->end - span->column, ids, &marks, places);
-    add_covered(reader, span->row, marks.covered, ids, places, batch);
-    const double center_y = (frame->height - 2.0 * span->row - 1) / frame->height;
-    for (; i < batch->count; i++) {
-        batch->fragments.pixel_y[i] = (int32_t)span->row;
-        batch->centers_y[i] = center_y;
+    reader->kernels->take(row_of_ids(frame, span->row) + span->column, span, &reader->table, batch);
+}
+
+/* Writes where the pixels of the batch lie. */
+static void write_pixels(const shb_fragment_reader *reader, shb_fragment_batch *batch) {
+    const uint32_t height = reader->frame->height;
+    shb_fragments *fragments = &batch->fragments;
+    size_t first = 0;
+    for (size_t k = 0; k < batch->piece_count; k++) {
+        const shb_piece *piece = &batch->pieces[k];
+        const size_t from = piece->column - reader->left, end = first + piece->count;
+        const double center_y = (height - 2.0 * piece->row - 1) / height;
+        memcpy(fragments->pixel_x + first, reader->columns + from,
+               piece->count * sizeof *reader->columns);
+        memcpy(batch->centers_x + first, reader->centers + from,
+               piece->count * sizeof *reader->centers);
+        for (; first < end; first++) {
+            fragments->pixel_y[first] = (int32_t)piece->row;
+            batch->centers_y[first] = center_y;
+        }
     }
 }
 
@@ -308,7 +243,7 @@ static void keep_usable(const shb_surface_table *table, shb_fragment_batch *batc
         if (!(table->triangles[batch->places[i]].facing & SHB_SURFACE_USABLE))
             continue;
         copy_pixel(batch, i, kept);
-        add_piece(batch, (uint32_t)fragments->pixel_y[i], (uint32_t)fragments->pixel_x[i], 1);
+        shb_pieces_add(batch, (uint32_t)fragments->pixel_y[i], (uint32_t)fragments->pixel_x[i], 1);
         kept++;
     }
     batch->count = kept;
@@ -335,6 +270,7 @@ static void read_nearest(shb_fragment_reader *reader, size_t i, shb_fragments *o
 }
 
 void shb_fragments_read(shb_fragment_reader *reader, shb_fragment_batch *batch) {
+    write_pixels(reader, batch);
     prepare_new(reader);
     if (reader->table.lacks)
         keep_usable(&reader->table, batch);

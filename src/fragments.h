@@ -20,11 +20,6 @@ typedef struct shb_fragment_reader {
     double centers[SHB_SPAN]; /* ndc x of the pixels' centres */
 } shb_fragment_reader;
 
-/* Pixels column .. end - 1 of a row. */
-typedef struct shb_fragment_span {
-    uint32_t row, column, end;
-} shb_fragment_span;
-
 /* Makes a reader of spans that lie in the SHB_SPAN columns from left on. */
 void shb_fragment_reader_init(shb_fragment_reader *reader, const shb_shade_kernels *kernels,
                               const shb_frame *frame, const shb_surface_view *view, uint32_t left);
@@ -35,7 +30,7 @@ static inline void shb_fragments_clear(shb_fragment_batch *batch) {
 }
 
 /* Takes a span's pixels into the batch, for which there is room. */
-void shb_fragments_take(shb_fragment_reader *reader, const shb_fragment_span *span,
+void shb_fragments_take(shb_fragment_reader *reader, const shb_piece *span,
                         shb_fragment_batch *batch);
 
 /* Reads the fragments of all that was taken; their count may become less. */

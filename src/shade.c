@@ -221,7 +221,7 @@ static void shade_block(void *arg, size_t index) {
     for (size_t k = 0; k < job->desc->light_count; k++)
         work.tests[k].known = false;
     for (uint32_t row = top; row < bottom; row++) {
-        const shb_fragment_span span = {row, left, right};
+        const shb_piece span = {row, left, right - left};
         if (job->desc->image.pixels)
             memcpy(pixels_of(job, row, left), job->empty_row, 3 * (size_t)(right - left));
         shb_fragments_take(&work.reader, &span, &work.batch);

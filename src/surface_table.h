@@ -12,10 +12,13 @@
 #define SHB_TABLE 1024
 
 /* A table finds its triangles by so many of the lowest values of their ids. */
-#define SHB_TABLE_PLACES 4096
+#define SHB_TABLE_MET 2048
 
 /* Vectors may be written as far behind the last element that is wanted. */
 #define SHB_TABLE_MARGIN 16
+
+/* Places of triangles are written so many at once. */
+#define SHB_PLACES_MARGIN 8
 
 /* What the word facing of a prepared triangle says beside which lights face it. */
 enum {
@@ -47,10 +50,12 @@ typedef struct shb_prepared_triangle {
 typedef struct shb_surface_table {
     shb_prepared_triangle triangles[SHB_TABLE + SHB_TABLE_MARGIN];
     uint32_t ids[SHB_TABLE + 1];
-    uint32_t count, prepared;          /* the first ones are prepared already */
-    bool lacks;                        /* some of them are not there */
-    bool has_smooth;                   /* some of them are smooth */
-    uint16_t places[SHB_TABLE_PLACES]; /* where a triangle may be, by its id */
+    uint32_t count, prepared; /* the first ones are prepared already */
+    bool lacks;               /* some of them are not there */
+    bool has_smooth;          /* some of them are smooth */
+    /* By the lowest value of ids: the triangle that was met last, and its place. */
+    uint32_t met_ids[SHB_TABLE_MET];
+    uint16_t met_places[SHB_TABLE_MET];
 } shb_surface_table;
 
 /* Corners of triangles as a mesh holds them: x, y, z of each. */
@@ -61,13 +66,6 @@ typedef struct shb_surface_corners {
 
 /* Words of a bit for each pixel of a span. */
 #define SHB_SPAN_WORDS (SHB_SPAN / 64)
-
-/* Of the pixels of a span. */
-typedef struct shb_span_marks {
-    uint64_t covered[SHB_SPAN_WORDS]; /* those that see something */
-    uint64_t starts[SHB_SPAN_WORDS];  /* of them the first, and those that see another triangle than
-                                         the pixel before */
-} shb_span_marks;
 
 /* Neighbouring pixels of a row. */
 typedef struct shb_piece {
@@ -80,7 +78,7 @@ typedef struct shb_fragment_batch {
     size_t count;
     shb_fragments fragments;
     SHB_ALIGN double centers_x[SHB_BATCH], centers_y[SHB_BATCH]; /* of the pixels, ndc */
-    uint32_t places[SHB_BATCH];                                  /* of triangles in the table */
+    uint32_t places[SHB_BATCH + SHB_PLACES_MARGIN];              /* of triangles in the table */
     uint32_t facing[SHB_BATCH];                                  /* as in shb_prepared_triangle */
     /* Fragments whose pixel's centre lies outside of their triangle. */
     uint16_t outside[SHB_BATCH];
@@ -88,6 +86,17 @@ typedef struct shb_fragment_batch {
     shb_piece pieces[SHB_BATCH]; /* where the fragments lie, in their order */
     size_t piece_count;
 } shb_fragment_batch;
+
+/* Appends pixels of a row to the batch's pieces. */
+static inline void shb_pieces_add(shb_fragment_batch *batch, uint32_t row, uint32_t column,
+                                  uint32_t count) {
+    const size_t pieces = batch->piece_count;
+    shb_piece *last = &batch->pieces[pieces ? pieces - 1 : 0];
+    if (pieces && last->row == row && last->column + last->count == column)
+        last->count += count;
+    else
+        batch->pieces[batch->piece_count++] = (shb_piece){row, column, count};
+}
 
 /* What triangles are prepared for: a camera, and at most 16 lights. */
 typedef struct shb_surface_view {

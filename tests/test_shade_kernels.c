@@ -233,7 +233,7 @@ TEST(shade_kernels_a_stage_called_by_a_host_writes_the_same) {
     depth_map_close(&asked);
 }
 
-enum { WIDTH = 301, HEIGHT = 75, TRIANGLES = 700 };
+enum { WIDTH = 301, HEIGHT = 75, TRIANGLES = 700, INSTANCES = 6, IDS = INSTANCES * TRIANGLES };
 
 /* Triangles around and behind the camera, with ids drawn at random beside those that it saw, so
  * that many centres lie outside of their triangles. */
@@ -241,7 +241,7 @@ typedef struct frame_case {
     float positions[9 * TRIANGLES], normals[9 * TRIANGLES];
     uint32_t ids[WIDTH * HEIGHT];
     shb_mesh mesh;
-    shb_instance instances[2];
+    shb_instance instances[INSTANCES];
     shb_scene scene;
     shb_view view;
     shb_frame frame;
@@ -261,10 +261,10 @@ static frame_case *new_frame(bool has_normals) {
                          .normals = has_normals ? f->normals : NULL,
                          .vertex_count = 3 * TRIANGLES,
                          .triangle_count = TRIANGLES};
-    f->instances[0] = (shb_instance){.mesh = &f->mesh};
-    f->instances[1] = (shb_instance){
-        .mesh = &f->mesh, .world_from_mesh = shb_mat4_rotation((shb_vec3){1, 1, 0}, 1.1)};
-    f->scene = (shb_scene){f->instances, 2};
+    for (int i = 0; i < INSTANCES; i++)
+        f->instances[i] = (shb_instance){
+            .mesh = &f->mesh, .world_from_mesh = shb_mat4_rotation((shb_vec3){1, 1, 0}, 1.1 * i)};
+    f->scene = (shb_scene){f->instances, INSTANCES};
     CHECK_INT(shb_view_perspective((shb_vec3){0.3, 0.2, 2}, (shb_vec3){0, 0, 0},
                                    (shb_vec3){0, 1, 0}, 1, 2, 0.01, 100, false, &f->view),
               SHB_OK);
@@ -275,7 +275,7 @@ static frame_case *new_frame(bool has_normals) {
     shb_context_destroy(context);
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         if (random_below(&random, 4) == 0)
-            f->ids[i] = random_below(&random, 2 * TRIANGLES + 3);
+            f->ids[i] = random_below(&random, IDS + 3);
     f->frame = (shb_frame){&f->view, &f->scene, WIDTH, HEIGHT, f->ids, 0};
     return f;
 }
@@ -402,11 +402,12 @@ TEST(shade_fragments_are_those_of_one_triangle_at_a_time) {
 }
 
 TEST(shade_fragments_are_right_however_many_triangles_a_block_sees) {
-    /* Most of 1400 triangles and some that are not there, in no order. */
+    /* Most of 4200 triangles and some that are not there, in no order; many of them have the same
+     * lowest bits of their ids. */
     frame_case *f = new_frame(true);
     test_random random = {23};
     for (int i = 0; i < WIDTH * HEIGHT; i++)
-        f->ids[i] = random_below(&random, 2 * TRIANGLES + 9);
+        f->ids[i] = random_below(&random, IDS + 9);
     check_fragments(f);
     free(f);
 }

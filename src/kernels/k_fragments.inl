@@ -1,53 +1,5 @@
 /* Fragments of pixels from the triangles that they see: the formulas of surface.c. */
 
-/* Bit i % 64: id i, of first .. end - 1 within 64, is none. */
-static inline ALWAYS_INLINE uint64_t none_bits(const uint32_t *ids, size_t first, size_t end) {
-    const int32_t none = (int32_t)SHB_ID_NONE;
-    uint64_t bits = 0;
-    size_t i = first;
-    for (; i + WIDE <= end; i += WIDE)
-        bits |= (uint64_t)vi_bits(vi_load((const int32_t *)ids + i) == none) << i % 64;
-    for (; i < end; i++)
-        bits |= (uint64_t)(ids[i] == SHB_ID_NONE) << i % 64;
-    return bits;
-}
-
-/* The same of ids that equal the one before; first > 0. */
-static inline ALWAYS_INLINE uint64_t same_bits(const uint32_t *ids, size_t first, size_t end) {
-    uint64_t bits = 0;
-    size_t i = first;
-    for (; i + WIDE <= end; i += WIDE)
-        bits |= (uint64_t)vi_bits(vu_load(ids + i) == vu_load(ids + i - 1)) << i % 64;
-    for (; i < end; i++)
-        bits |= (uint64_t)(ids[i] == ids[i - 1]) << i % 64;
-    return bits;
-}
-
-static bool mark_span(const uint32_t *ids, size_t count, shb_span_marks *marks) {
-    uint64_t any = 0;
-    for (size_t word = 0; word < SHB_SPAN_WORDS; word++) {
-        const size_t first = 64 * word, end = count < first + 64 ? count : first + 64;
-        const uint64_t all = end > first ? ~(uint64_t)0 >> (64 - (end - first)) : 0;
-        marks->covered[word] = all & ~none_bits(ids, first, end);
-        any |= marks->covered[word];
-    }
-    if (!any)
-        return false;
-    for (size_t word = 0; word < SHB_SPAN_WORDS; word++) {
-        const size_t first = 64 * word, end = count < first + 64 ? count : first + 64;
-        uint64_t same = 0;
-        if (word > 0)
-            same = same_bits(ids, first, end);
-        else if (count > WIDE)
-            same = (uint64_t)vi_bits(vu_load(ids) == vu_load(ids + 1)) << 1 |
-                   same_bits(ids, WIDE, end);
-        else
-            same = same_bits(ids, 1, end);
-        marks->starts[word] = marks->covered[word] & ~same;
-    }
-    return true;
-}
-
 /* first + b * way_1 + c * way_2 for one axis of a first vector and the ways to two others. */
 static inline ALWAYS_INLINE wd combine(const wd *from, int axis, wd b, wd c) {
     return from[axis] + (b * from[3 + axis] + c * from[6 + axis]);

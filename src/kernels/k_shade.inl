@@ -54,6 +54,8 @@
 
 #include "k_surface.inl"
 
+#include "k_spans.inl"
+
 #include "k_fragments.inl"
 
 #include "k_lambert.inl"
@@ -96,7 +98,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .normal_offset = normal_offset,
     .normal_offset_depth = normal_offset_depth,
     .texel_cone = texel_cone,
-    .marks = mark_span,
+    .take = take_span,
     .triangles = prepare_surfaces,
     .fragments = read_fragments,
     .keep_within = keep_within,

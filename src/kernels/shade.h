@@ -83,8 +83,10 @@ typedef struct shb_shade_kernels {
     shb_bias_fn *constant, *slope, *angle, *receiver_plane, *adaptive, *adaptive_soft;
     shb_bias_fn *normal_offset, *normal_offset_depth, *texel_cone;
 
-    /* Marks the ids of a span, 1 to SHB_SPAN; false if none of them sees anything. */
-    bool (*marks)(const uint32_t *ids, size_t count, shb_span_marks *marks);
+    /* Takes the covered pixels of a span, at most SHB_SPAN, into a batch that has room for them:
+     * writes their ids, and where the table has or shall have their triangles. */
+    void (*take)(const uint32_t *ids, const shb_piece *span, shb_surface_table *table,
+                 shb_fragment_batch *batch);
 
     /* Prepares count triangles of one instance, whose corners are read. */
     void (*triangles)(const shb_surface_view *view, const shb_surface_instance *instance,
