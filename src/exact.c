@@ -86,13 +86,14 @@ static void ask_sheets_first(const shb_map *map, const shb_exact_points *points,
                              const shb_receivers *receivers, float *visibility) {
     uint16_t unsure[SHB_BATCH];
     SHB_ALIGN float answers[SHB_BATCH];
+    const shb_quick_points arrays = shb_quick_points_of(receivers);
     shb_exact_points left_points;
     shb_receivers left;
     const size_t left_count = settle(map, points, visibility, unsure);
     if (left_count == 0)
         return;
     shb_exact_points_pick(points, unsure, left_count, &left_points);
-    shb_receivers_pick(receivers, unsure, left_count, !map->lists, &left);
+    shb_receivers_pick(&arrays, unsure, left_count, !map->lists, &left);
     ask_occluders(map, &left_points, &left, answers);
     for (size_t k = 0; k < left_count; k++)
         visibility[unsure[k]] = answers[k];

@@ -37,11 +37,11 @@ bool shb_packed_points_init(shb_packed_points *packed, const shb_map *map, const
 
 /* The last one fills up the lanes. */
 static void fill_lanes(shb_packed_points *packed) {
+    const shb_quick_points waiting = shb_quick_points_of(&packed->receivers);
     uint16_t numbers[SHB_BATCH];
     for (size_t i = 0; i < packed->waiting; i++)
         numbers[i] = (uint16_t)i;
-    shb_receivers_pick(&packed->receivers, numbers, packed->waiting, packed->quick.plane,
-                       &packed->receivers);
+    shb_receivers_pick(&waiting, numbers, packed->waiting, packed->quick.plane, &packed->receivers);
 }
 
 void shb_packed_points_end(shb_packed_points *packed) {

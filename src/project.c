@@ -82,17 +82,17 @@ shb_light_rows shb_light_rows_of(const shb_projection *p) {
     return rows;
 }
 
-void shb_receivers_pick(const shb_receivers *from, const uint16_t *numbers, size_t count,
+void shb_receivers_pick(const shb_quick_points *from, const uint16_t *numbers, size_t count,
                         bool with_normals, shb_receivers *to) {
     for (size_t k = 0; k < shb_round_to_lanes(count); k++) {
         const size_t i = numbers[k < count ? k : count - 1];
-        to->x[k] = from->x[i];
-        to->y[k] = from->y[i];
-        to->z[k] = from->z[i];
+        to->x[k] = from->position[0][i];
+        to->y[k] = from->position[1][i];
+        to->z[k] = from->position[2][i];
         if (with_normals) {
-            to->normal_x[k] = from->normal_x[i];
-            to->normal_y[k] = from->normal_y[i];
-            to->normal_z[k] = from->normal_z[i];
+            to->normal_x[k] = from->normal[0][i];
+            to->normal_y[k] = from->normal[1][i];
+            to->normal_z[k] = from->normal[2][i];
         }
     }
 }

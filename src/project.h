@@ -2,7 +2,7 @@
 #ifndef SRC_PROJECT_H
 #define SRC_PROJECT_H
 
-#include "map.h"
+#include "quick_test.h"
 
 /* Loops of a batch run over whole vectors of this many elements. */
 #define SHB_LANES 16
@@ -20,8 +20,8 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
 shb_light_rows shb_light_rows_of(const shb_projection *projection);
 
 /* Places, and with_normals: normals, of the fragments with these ascending numbers, as a batch of
- * its own; the last one fills up the lanes. to may be from. */
-void shb_receivers_pick(const shb_receivers *from, const uint16_t *numbers, size_t count,
+ * its own; the last one fills up the lanes. from: arrays, which to may hold. */
+void shb_receivers_pick(const shb_quick_points *from, const uint16_t *numbers, size_t count,
                         bool with_normals, shb_receivers *to);
 
 #endif

@@ -116,22 +116,20 @@ static void smooth_normals(uint32_t light, size_t lanes, const shb_fragments *fr
     }
 }
 
-static void read_receivers(const shading *job, size_t light, size_t count, workspace *work) {
-    const bool smooth = job->desc->smooth_terminator;
+/* What light number light is asked about. */
+static shb_quick_points asked_points(const shading *job, size_t light, size_t count,
+                                     workspace *work) {
     const shb_fragments *fragments = &work->batch.fragments;
     shb_receivers *receivers = &work->receivers;
-    const size_t lanes = shb_round_to_lanes(count);
-    const size_t size = lanes * sizeof *receivers->x;
-    memcpy(receivers->x, smooth ? work->lifted.x : fragments->x, size);
-    memcpy(receivers->y, smooth ? work->lifted.y : fragments->y, size);
-    memcpy(receivers->z, smooth ? work->lifted.z : fragments->z, size);
-    if (smooth) {
-        smooth_normals((uint32_t)light, lanes, fragments, work->batch.facing, receivers);
-        return;
-    }
-    memcpy(receivers->normal_x, fragments->normal_x, size);
-    memcpy(receivers->normal_y, fragments->normal_y, size);
-    memcpy(receivers->normal_z, fragments->normal_z, size);
+    if (!job->desc->smooth_terminator)
+        return (shb_quick_points){
+            .position = {fragments->x, fragments->y, fragments->z},
+            .normal = {fragments->normal_x, fragments->normal_y, fragments->normal_z}};
+    smooth_normals((uint32_t)light, shb_round_to_lanes(count), fragments, work->batch.facing,
+                   receivers);
+    return (shb_quick_points){
+        .position = {work->lifted.x, work->lifted.y, work->lifted.z},
+        .normal = {receivers->normal_x, receivers->normal_y, receivers->normal_z}};
 }
 
 /* A light's share of a batch; all fragments go through the map, so that vectors stay full. */
@@ -139,12 +137,13 @@ static void ask_light(const shading *job, size_t k, size_t count, workspace *wor
     const shb_shade_light *light = &job->desc->lights[k];
     shb_lighting *lighting = &work->lighting[k];
     float *visibility = lighting->visibility;
-    read_receivers(job, k, count, work);
+    const shb_quick_points points = asked_points(job, k, count, work);
     const shb_fragments *fragments = &work->batch.fragments;
     const shb_own_triangles own = {fragments->id, fragments->weight_1, fragments->weight_2};
     const bool lifted = job->desc->smooth_terminator;
     shb_visibility_batch(light->map, light->bias, &job->filters[k], count, lifted,
-                         lifted ? NULL : &own, &work->tests[k], &work->receivers, visibility);
+                         lifted ? NULL : &own, &points, &work->tests[k], &work->receivers,
+                         visibility);
     for (size_t i = count; i % SHB_LANES; i++)
         visibility[i] = visibility[count - 1];
     job->kernels->lighting(&job->lights[k], (uint32_t)k, count, &work->batch.fragments,

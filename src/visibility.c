@@ -147,21 +147,36 @@ void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_
     filter->filter(&filter_args);
 }
 
+/* Positions, and with_normals: normals, where they lie elsewhere. */
+static void copy_points(const shb_quick_points *from, size_t count, bool with_normals,
+                        shb_receivers *to) {
+    float *const positions[] = {to->x, to->y, to->z};
+    float *const normals[] = {to->normal_x, to->normal_y, to->normal_z};
+    const size_t size = shb_round_to_lanes(count) * sizeof *to->x;
+    for (int k = 0; k < 3; k++) {
+        if (from->position[k] != positions[k])
+            memcpy(positions[k], from->position[k], size);
+        if (with_normals && from->normal[k] != normals[k])
+            memcpy(normals[k], from->normal[k], size);
+    }
+}
+
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, bool lifted, const shb_own_triangles *own,
-                          shb_quick_test *test, shb_receivers *receivers, float *visibility) {
+                          const shb_quick_points *points, shb_quick_test *test,
+                          shb_receivers *receivers, float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
-    const shb_quick_points points = shb_quick_points_of(receivers);
     SHB_ALIGN float asked[SHB_BATCH];
     uint16_t doubtful[SHB_BATCH];
     shb_quick_bias quick;
     size_t left = SIZE_MAX;
     if (kernels->quick && filter->filter == shb_hard_test && shb_quick_bias_of(map, bias, &quick))
-        left = kernels->quick(map, &quick, count, &points, test, visibility, doubtful);
+        left = kernels->quick(map, &quick, count, points, test, visibility, doubtful);
     if (left == SIZE_MAX) {
+        copy_points(points, count, needs_normals(map, bias, filter), receivers);
         shb_visibility_in_full(map, bias, filter, count, lifted, own, receivers, visibility);
     } else if (left > 0) {
-        shb_receivers_pick(receivers, doubtful, left, quick.plane, receivers);
+        shb_receivers_pick(points, doubtful, left, quick.plane, receivers);
         shb_visibility_in_full(map, bias, filter, left, lifted, NULL, receivers, asked);
         for (size_t i = 0; i < left; i++)
             visibility[doubtful[i]] = asked[i];
@@ -309,6 +324,7 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
     const size_t normal_stride = shb_triple_stride(points->normal_stride);
     const bool with_normals = needs_normals(map, bias, filter);
     shb_receivers batch;
+    const shb_quick_points arrays = shb_quick_points_of(&batch);
     SHB_ALIGN float batch_visibility[SHB_BATCH];
     shb_quick_test test = {.known = false};
     shb_packed_points packed;
@@ -331,8 +347,8 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
         if (is_tried)
             shb_visibility_in_full(map, bias, &hard, count, false, &own, &batch, batch_visibility);
         else
-            shb_visibility_batch(map, bias, filter ? filter : &hard, count, false, &own, &test,
-                                 &batch, batch_visibility);
+            shb_visibility_batch(map, bias, filter ? filter : &hard, count, false, &own, &arrays,
+                                 &test, &batch, batch_visibility);
         memcpy(visibility + first, batch_visibility, count * sizeof *visibility);
     }
     shb_packed_points_end(&packed);
