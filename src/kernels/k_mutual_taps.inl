@@ -21,12 +21,22 @@ static void mutual_batch_finish(mutual_batch *batch, size_t count) {
     find_plain_triangles(batch, count);
 }
 
-/* The texels that the map keeps at places inside it. */
+/* True if 32-bit numbers lead to what the map keeps at every texel. */
+static bool can_gather_occluders(const shb_map *map) {
+    return map->occluders.stride / sizeof(uint32_t) <= (size_t)INT32_MAX / map->info.height;
+}
+
+/* What the map keeps at places inside it, where that can be gathered. */
+static inline ALWAYS_INLINE vu gather_kept(const shb_map *map, vi x, vi y) {
+    const int32_t stride = (int32_t)(map->occluders.stride / sizeof(uint32_t));
+    return (vu)vf_gather((const float *)shb_occluder_row(map, 0), y * stride + x);
+}
+
+/* The same everywhere. */
 static inline ALWAYS_INLINE vu gather_occluders(const shb_map *map, vi x, vi y) {
-    const size_t stride = map->occluders.stride / sizeof(uint32_t);
     vu texels;
-    if (stride <= (size_t)INT32_MAX / map->info.height)
-        return (vu)vf_gather((const float *)shb_occluder_row(map, 0), y * (int32_t)stride + x);
+    if (can_gather_occluders(map))
+        return gather_kept(map, x, y);
     for (int lane = 0; lane < WIDE; lane++)
         texels[lane] = shb_occluder_row(map, y[lane])[x[lane]];
     return texels;

@@ -7,11 +7,17 @@
 /* Adding this rounds a float below 2^22 to an int in its low bits, ties to even. */
 #define ROUNDING 12582912.0f
 
-/* What the taps of a search on the disk found. */
-typedef struct pcss_hits {
-    vi blocked[SHB_POISSON_MAX];
-    vf stored[SHB_POISSON_MAX];
-} pcss_hits;
+/* Words with a bit for each tap on the disk. */
+#define TAP_WORDS (SHB_POISSON_MAX / 32)
+
+/* What the searches of a batch found where a map keeps planes. */
+typedef struct pcss_found {
+    SHB_ALIGN int32_t open[SHB_BATCH];    /* -1: there are blockers */
+    float weight[SHB_BATCH];              /* of blockers */
+    float depth[SHB_BATCH];               /* their sum */
+    int32_t sides[SHB_BATCH];             /* of the square that holds the search */
+    uint32_t taps[SHB_BATCH * TAP_WORDS]; /* on the disk that have a blocker, a bit each */
+} pcss_found;
 
 /* WIDE fragments. */
 typedef struct pcss_lanes {
@@ -22,8 +28,8 @@ typedef struct pcss_lanes {
     vf cosine, sine;           /* of the disk's turn */
     mutual_batch *mutual;      /* of the exact method; else NULL */
     size_t first;              /* the number of the first of these in it */
-    const lane_sheets *sheets; /* that they are known to stand on, or NULL */
-    pcss_hits *hits;           /* where a map keeps planes: of the search; else NULL */
+    const kept_sheets *sheets; /* that they are known to stand on, or NULL */
+    uint32_t *taps;            /* of the search, where they are to be noted; else NULL */
 } pcss_lanes;
 
 /* What stands in front of the receiver plane, as the sum of taps and of their depths. */
@@ -64,42 +70,64 @@ static inline ALWAYS_INLINE vf row_bits(const pcss_disk *disk, int k) {
  */
 static vi pcss_shadowed(const pcss_lanes *own, vi hits, vf m, vf n, vf stored) {
     if (own->sheets)
-        hits &= ~on_sheets(own->sheets, m, n);
+        hits &= ~on_sheets(own->sheets, own->first, m, n);
     return vi_any(hits) ? shadowed_taps(own->mutual, own->first, hits, m, n, stored) : hits;
+}
+
+/* The same where planes can be gathered; hits: those that matter. */
+static inline ALWAYS_INLINE vi shadowed_by_planes(const shb_map *map, const mutual_lanes *lanes,
+                                                  const pcss_lanes *own, vi hits, vf m, vf n,
+                                                  vf stored) {
+    const vi x = own->texel_x + __builtin_convertvector(m, vi);
+    const vi y = own->texel_y + __builtin_convertvector(n, vi);
+    const vu texels = gather_kept(map, x & hits, y & hits);
+    return pass_before(*lanes, own->to_center_x + m, own->to_center_y + n, map, stored, texels);
 }
 
 /* The same for taps in a row of fragment number lane. */
 static vi pcss_shadowed_in_row(const pcss_lanes *own, int lane, vi hits, int32_t m, int32_t n,
                                vf stored) {
+    const size_t i = own->first + (size_t)lane;
     if (own->sheets)
-        hits &= ~on_sheet(own->sheets, lane, m, n);
-    return vi_any(hits)
-               ? shadowed_taps_of_one(own->mutual, own->first + (size_t)lane, hits, m, n, stored)
-               : hits;
+        hits &= ~on_sheet(own->sheets, i, m, n);
+    return vi_any(hits) ? shadowed_taps_of_one(own->mutual, i, hits, m, n, stored) : hits;
 }
 
 static inline ALWAYS_INLINE vf plane_at(const pcss_lanes *own, vf m, vf n, vf far_depth) {
     return vf_min((own->ref + m * own->step_x) + n * own->step_y, far_depth);
 }
 
-static inline ALWAYS_INLINE void note_hits(pcss_hits *hits, int k, vi blocked, vf stored) {
-    hits->blocked[k] = blocked;
-    hits->stored[k] = stored;
+/* Of WIDE fragments. */
+static inline ALWAYS_INLINE uint32_t *word_of_tap(uint32_t *taps, int k) {
+    return taps + k / 32 * WIDE;
 }
 
-/* The outcome of a search whose hits were noted, less those on sheets that have been found. */
-static pcss_blocked leave_sheets(const shb_pcss *pcss, const pcss_lanes *own, vf radius_x,
-                                 vf radius_y) {
+static inline ALWAYS_INLINE void note_tap(uint32_t *taps, int k, vi blocked) {
+    uint32_t *word = word_of_tap(taps, k);
+    vu_store(word, vu_load(word) | ((vu)blocked & 1u << k % 32));
+}
+
+/* The outcome of a search whose taps were noted, less those on sheets that have been found. */
+static pcss_blocked leave_sheets(const shb_pcss *pcss, const shb_map *map, const pcss_lanes *own,
+                                 uint32_t *taps, vf radius_x, vf radius_y) {
     const pcss_disk disk = disk_of(pcss, own, radius_x, radius_y);
+    const float sign = map->info.view.reversed ? -1.0f : 1.0f;
+    const bool gathers = can_gather(map);
     vf depth = {0};
     vi hits = {0};
     for (int k = 0; k < pcss->blockers; k++) {
-        vi blocked = own->hits->blocked[k];
-        if (vi_any(blocked))
-            blocked &= ~on_sheets(own->sheets, column_bits(&disk, k) - ROUNDING,
-                                  row_bits(&disk, k) - ROUNDING);
+        vi in_map, blocked = -(vi)(vu_load(word_of_tap(taps, k)) >> k % 32 & 1);
+        if (!vi_any(blocked))
+            continue;
+        const vf m = column_bits(&disk, k) - ROUNDING, n = row_bits(&disk, k) - ROUNDING;
+        blocked &= ~on_sheets(own->sheets, own->first, m, n);
+        if (!vi_any(blocked))
+            continue;
+        const vi x = own->texel_x + __builtin_convertvector(m, vi);
+        const vi y = own->texel_y + __builtin_convertvector(n, vi);
         hits -= blocked;
-        depth += vf_keep(blocked, own->hits->stored[k]);
+        depth +=
+            vf_keep(blocked, sign * read_lanes(map, gathers, x & blocked, y & blocked, &in_map));
     }
     return (pcss_blocked){__builtin_convertvector(hits, vf), depth,
                           vf_splat((float)pcss->blockers)};
@@ -125,13 +153,14 @@ static inline ALWAYS_INLINE pcss_blocked ask_disk(const shb_pcss *pcss, const sh
             sign * read_lanes(map, gathers, (vi)((vu)own->texel_x + ((vu)x - rounding)),
                               (vi)((vu)own->texel_y + ((vu)y - rounding)), &in_map);
         vi blocked = in_map & (stored < plane_at(own, m, n, far_depth));
-        if (own->mutual && vi_any(blocked))
+        if (own->mutual && vi_any(blocked)) {
             blocked = pcss_shadowed(own, blocked, m, n, stored);
+            if (sums && own->taps)
+                note_tap(own->taps, k, blocked);
+        }
         hits -= blocked;
         if (sums)
             depth += vf_keep(blocked, stored);
-        if (sums && own->hits)
-            note_hits(own->hits, k, blocked, stored);
     }
     return (pcss_blocked){__builtin_convertvector(hits, vf), depth, vf_splat((float)count)};
 }
@@ -159,8 +188,7 @@ static inline ALWAYS_INLINE void place_taps(const pcss_disk *disk, const pcss_la
 /* The same for taps that all lie inside a map whose texels can be gathered. */
 static inline ALWAYS_INLINE pcss_blocked ask_disk_inside(const shb_pcss *pcss, const shb_map *map,
                                                          const pcss_lanes *own, vf radius_x,
-                                                         vf radius_y, int count, bool sums,
-                                                         bool exact) {
+                                                         vf radius_y, int count, bool sums) {
     const pcss_disk disk = disk_of(pcss, own, radius_x, radius_y);
     const float sign = map->info.view.reversed ? -1.0f : 1.0f;
     uint32_t indices[PLACED][WIDE];
@@ -172,15 +200,74 @@ static inline ALWAYS_INLINE pcss_blocked ask_disk_inside(const shb_pcss *pcss, c
         place_taps(&disk, own, (uint32_t)(map->depth.stride / 4), first, some, indices, planes);
         for (int k = 0; k < some; k++) {
             const vf stored = sign * vf_read(map->depth.texels, indices[k]);
-            vi blocked = stored < planes[k];
-            if (exact && vi_any(blocked))
-                blocked = pcss_shadowed(own, blocked, column_bits(&disk, first + k) - ROUNDING,
-                                        row_bits(&disk, first + k) - ROUNDING, stored);
+            const vi blocked = stored < planes[k];
             hits -= blocked;
             if (sums)
                 depth += vf_keep(blocked, stored);
-            if (exact && sums && own->hits)
-                note_hits(own->hits, first + k, blocked, stored);
+        }
+    }
+    return (pcss_blocked){__builtin_convertvector(hits, vf), depth, vf_splat((float)count)};
+}
+
+/* Taps that lie in front of planes of fragments. */
+typedef struct pcss_hits {
+    int count;
+    int taps[PLACED];
+    vi blocked[PLACED];
+    vf stored[PLACED];
+} pcss_hits;
+
+/* Of taps from first on, whose texels lie at these indices. Without a branch, which would often be
+ * taken the wrong way. */
+static inline ALWAYS_INLINE void list_hits(const shb_map *map, int first, int count,
+                                           uint32_t (*indices)[WIDE], const vf *planes,
+                                           pcss_hits *hits) {
+    const float sign = map->info.view.reversed ? -1.0f : 1.0f;
+    hits->count = 0;
+    for (int k = 0; k < count; k++) {
+        const vf stored = sign * vf_read(map->depth.texels, indices[k]);
+        const vi blocked = stored < planes[k];
+        const int at = hits->count;
+        hits->taps[at] = first + k;
+        memcpy(&hits->blocked[at], &blocked, sizeof blocked);
+        memcpy(&hits->stored[at], &stored, sizeof stored);
+        hits->count += vi_any(blocked);
+    }
+}
+
+/* The same by the exact method. */
+static inline ALWAYS_INLINE pcss_blocked ask_disk_exactly(const shb_pcss *pcss, const shb_map *map,
+                                                          const pcss_lanes *own, vf radius_x,
+                                                          vf radius_y, int count, bool sums) {
+    const pcss_disk disk = disk_of(pcss, own, radius_x, radius_y);
+    const bool by_planes =
+        map->info.occluders != SHB_OCCLUDERS_TRIANGLES && can_gather_occluders(map);
+    const mutual_lanes lanes = mutual_lanes_at(own->mutual, own->first);
+    uint32_t indices[PLACED][WIDE];
+    vf planes[PLACED];
+    pcss_hits found;
+    vf depth = {0};
+    vi hits = {0};
+    for (int first = 0; first < count; first += PLACED) {
+        const int some = count - first < PLACED ? count - first : PLACED;
+        place_taps(&disk, own, (uint32_t)(map->depth.stride / 4), first, some, indices, planes);
+        list_hits(map, first, some, indices, planes, &found);
+        for (int k = 0; k < found.count; k++) {
+            const int tap = found.taps[k];
+            const vf m = column_bits(&disk, tap) - ROUNDING, n = row_bits(&disk, tap) - ROUNDING;
+            const vf stored = found.stored[k];
+            vi blocked = found.blocked[k];
+            if (own->sheets)
+                blocked &= ~on_sheets(own->sheets, own->first, m, n);
+            if (by_planes)
+                blocked &= shadowed_by_planes(map, &lanes, own, blocked, m, n, stored);
+            else if (vi_any(blocked))
+                blocked = shadowed_taps(own->mutual, own->first, blocked, m, n, stored);
+            if (sums && own->taps)
+                note_tap(own->taps, tap, blocked);
+            hits -= blocked;
+            if (sums)
+                depth += vf_keep(blocked, stored);
         }
     }
     return (pcss_blocked){__builtin_convertvector(hits, vf), depth, vf_splat((float)count)};
@@ -205,9 +292,8 @@ static inline ALWAYS_INLINE pcss_blocked ask_disk_of(const shb_pcss *pcss, const
                                                      const pcss_lanes *own, vf radius_x,
                                                      vf radius_y, int count, bool sums) {
     if (can_gather(map) && all_inside(map, own, radius_x, radius_y))
-        return own->mutual
-                   ? ask_disk_inside(pcss, map, own, radius_x, radius_y, count, sums, true)
-                   : ask_disk_inside(pcss, map, own, radius_x, radius_y, count, sums, false);
+        return own->mutual ? ask_disk_exactly(pcss, map, own, radius_x, radius_y, count, sums)
+                           : ask_disk_inside(pcss, map, own, radius_x, radius_y, count, sums);
     return ask_disk(pcss, map, own, radius_x, radius_y, count, sums);
 }
 
@@ -336,7 +422,7 @@ static vf exact_reach(vf radius) {
 
 /* All but the turn of the disk. */
 static inline ALWAYS_INLINE void load_pcss_lanes(const shb_pcss *pcss, const shb_receivers *r,
-                                                 size_t i, pcss_lanes *own) {
+                                                 size_t i, mutual_batch *mutual, pcss_lanes *own) {
     own->texel_x = vi_load(r->texel_x + i);
     own->texel_y = vi_load(r->texel_y + i);
     own->to_center_x = vf_load(r->to_center_x + i);
@@ -345,7 +431,10 @@ static inline ALWAYS_INLINE void load_pcss_lanes(const shb_pcss *pcss, const shb
     own->ref = vf_load(r->ref + i);
     own->step_x = pcss->own_depth ? vf_splat(0) : vf_load(r->step_x + i);
     own->step_y = pcss->own_depth ? vf_splat(0) : vf_load(r->step_y + i);
+    own->mutual = mutual;
     own->first = i;
+    own->sheets = NULL;
+    own->taps = NULL;
 }
 
 static inline ALWAYS_INLINE void load_turns(const shb_pcss *pcss, const shb_receivers *r, size_t i,
@@ -374,82 +463,144 @@ static NEVER_INLINE plain_outcome ask_pyramid(const shb_pcss *pcss, const shb_ma
     return (plain_outcome){plain.lit & wanted, plain.dark & wanted};
 }
 
-/* Fragments that the pyramid left open, and the answers to all others. */
+/* WIDE fragments: those that the pyramid left open, and the answers to all others; half widths of
+ * their searches. */
 typedef struct pcss_open {
     vi lanes;
     vf visibility;
+    vf search_x, search_y;
 } pcss_open;
-
-/* The sheets of fragments with blockers, through squares that hold the kernels of their searches as
- * far as sheets are followed at all. */
-static bool find_pcss_sheets(const pcss_lanes *own, vf search_x, vf search_y, vi blocked,
-                             lane_sheets *sheets) {
-    const vi reach = reach_of(vf_max(search_x, search_y)), most = vi_splat(LANE_SHEET_MOST);
-    const vi less = reach < most;
-    return find_lane_sheets(own->mutual, own->first, blocked, (reach & less) | (most & ~less),
-                            sheets);
-}
-
-static vf pcss_of_lanes(const shb_pcss *pcss, const shb_map *map, pcss_lanes *own, vf search_x,
-                        vf search_y, pcss_open open) {
-    const vf near_depth = vf_splat(pcss->near_depth);
-    lane_sheets sheets;
-    pcss_blocked blockers = search(pcss, map, own, search_x, search_y, open.lanes);
-    open.lanes &= blockers.weight > 0;
-    if (!vi_any(open.lanes))
-        return open.visibility;
-    if (own->hits && find_pcss_sheets(own, search_x, search_y, open.lanes, &sheets)) {
-        own->sheets = &sheets;
-        blockers = pcss->blockers ? leave_sheets(pcss, own, search_x, search_y)
-                                  : search(pcss, map, own, search_x, search_y, open.lanes);
-        open.lanes &= blockers.weight > 0;
-    }
-    const vf mean = vf_max(blockers.depth / blockers.weight, near_depth);
-    const vf radius_x = radius_lanes(pcss->texels_x, own->depth, mean);
-    const vf radius_y = radius_lanes(pcss->texels_y, own->depth, mean);
-    const pcss_blocked filtered = filter(pcss, map, own, radius_x, radius_y, open.lanes);
-    const vf lit = (filtered.all - filtered.weight) / filtered.all;
-    return vf_where(open.lanes, lit, open.visibility);
-}
 
 /* After a question to the pyramid that settled nothing, so many vectors are not asked for. */
 #define PCSS_PAUSE 3
 
 /* The filter's kernel lies within that of the search, so what is plain there is plain here; but
  * what is dark before the fragment's plane need not be so by the exact method. */
+static inline ALWAYS_INLINE pcss_open open_lanes(const shb_pcss *pcss, const shb_map *map,
+                                                 const pcss_lanes *own, int *pause) {
+    const vf near_depth = vf_splat(pcss->near_depth);
+    pcss_open open = {((vu)own->texel_x < map->info.width) & ((vu)own->texel_y < map->info.height),
+                      vf_splat(1.0f), radius_lanes(pcss->texels_x, own->depth, near_depth),
+                      radius_lanes(pcss->texels_y, own->depth, near_depth)};
+    if (pcss->pyramid && vi_any(open.lanes) && (*pause)-- <= 0) {
+        plain_outcome plain = ask_pyramid(pcss, map, own, open.search_x, open.search_y, open.lanes);
+        if (own->mutual)
+            plain.dark = vi_splat(0);
+        open.visibility = vf_where(plain.dark, vf_splat(0.0f), open.visibility);
+        open.lanes &= ~(plain.lit | plain.dark);
+        *pause = vi_any(plain.lit | plain.dark) ? 0 : PCSS_PAUSE;
+    }
+    return open;
+}
+
+/* The rest has nothing in front of its planes. */
+static inline ALWAYS_INLINE void take_open(const shb_pcss *pcss, const shb_receivers *receivers,
+                                           vi lanes, pcss_lanes *own) {
+    own->ref = vf_where(lanes, own->ref, vf_splat(-INFINITY));
+    load_turns(pcss, receivers, own->first, own);
+}
+
+/* What a kernel as wide as the penumbra of the blockers finds. */
+static inline ALWAYS_INLINE vf lit_by_blockers(const shb_pcss *pcss, const shb_map *map,
+                                               const pcss_lanes *own, const pcss_blocked *blockers,
+                                               vi lanes) {
+    const vf mean = vf_max(blockers->depth / blockers->weight, vf_splat(pcss->near_depth));
+    const vf radius_x = radius_lanes(pcss->texels_x, own->depth, mean);
+    const vf radius_y = radius_lanes(pcss->texels_y, own->depth, mean);
+    const pcss_blocked filtered = filter(pcss, map, own, radius_x, radius_y, lanes);
+    return (filtered.all - filtered.weight) / filtered.all;
+}
+
+/* mutual: of the exact method where a map keeps triangles; else NULL. */
 static void ask_pcss(const shb_pcss *pcss, const shb_map *map, size_t count,
                      const shb_receivers *restrict receivers, mutual_batch *mutual,
                      float *restrict visibility) {
-    const size_t lanes = shb_round_to_lanes(count);
-    const vf near_depth = vf_splat(pcss->near_depth);
-    pcss_hits hits;
     int pause = 0;
-    for (size_t i = 0; i < lanes; i += WIDE) {
+    for (size_t i = 0; i < shb_round_to_lanes(count); i += WIDE) {
         pcss_lanes own;
-        own.mutual = mutual;
-        own.sheets = NULL;
-        own.hits = mutual && map->info.occluders != SHB_OCCLUDERS_TRIANGLES ? &hits : NULL;
-        load_pcss_lanes(pcss, receivers, i, &own);
-        const vf search_x = radius_lanes(pcss->texels_x, own.depth, near_depth);
-        const vf search_y = radius_lanes(pcss->texels_y, own.depth, near_depth);
-        pcss_open open = {((vu)own.texel_x < map->info.width) &
-                              ((vu)own.texel_y < map->info.height),
-                          vf_splat(1.0f)};
-        if (pcss->pyramid && vi_any(open.lanes) && pause-- <= 0) {
-            plain_outcome plain = ask_pyramid(pcss, map, &own, search_x, search_y, open.lanes);
-            if (mutual)
-                plain.dark = vi_splat(0);
-            open.visibility = vf_where(plain.dark, vf_splat(0.0f), open.visibility);
-            open.lanes &= ~(plain.lit | plain.dark);
-            pause = vi_any(plain.lit | plain.dark) ? 0 : PCSS_PAUSE;
-        }
-        own.ref = vf_where(open.lanes, own.ref, vf_splat(-INFINITY));
+        load_pcss_lanes(pcss, receivers, i, mutual, &own);
+        pcss_open open = open_lanes(pcss, map, &own, &pause);
         if (vi_any(open.lanes)) {
-            load_turns(pcss, receivers, i, &own);
-            open.visibility = pcss_of_lanes(pcss, map, &own, search_x, search_y, open);
+            take_open(pcss, receivers, open.lanes, &own);
+            const pcss_blocked blockers =
+                search(pcss, map, &own, open.search_x, open.search_y, open.lanes);
+            open.lanes &= blockers.weight > 0;
+            if (vi_any(open.lanes))
+                open.visibility =
+                    vf_where(open.lanes, lit_by_blockers(pcss, map, &own, &blockers, open.lanes),
+                             open.visibility);
         }
         vf_store(visibility + i, open.visibility);
     }
+}
+
+/* Searches of a batch where a map keeps planes, and the answers where there are no blockers. Lists
+ * fragments with blockers that stand on what their own texels hold. */
+static size_t search_batch(const shb_pcss *pcss, size_t count, mutual_batch *mutual,
+                           pcss_found *found, uint16_t *fragments, float *visibility) {
+    const shb_receivers *receivers = &mutual->receivers;
+    const vi most = vi_splat(SHEET_MOST);
+    own_texel texels[SHB_BATCH + 1];
+    size_t listed = 0;
+    int pause = 0;
+    for (size_t i = 0; i < shb_round_to_lanes(count); i += WIDE) {
+        pcss_lanes own;
+        load_pcss_lanes(pcss, receivers, i, mutual, &own);
+        own.taps = pcss->blockers ? found->taps + i * TAP_WORDS : NULL;
+        pcss_open open = open_lanes(pcss, mutual->map, &own, &pause);
+        vf_store(visibility + i, open.visibility);
+        if (vi_any(open.lanes)) {
+            for (int k = 0; k < pcss->blockers; k += 32)
+                vu_store(word_of_tap(own.taps, k), (vu){0});
+            take_open(pcss, receivers, open.lanes, &own);
+            const pcss_blocked blockers =
+                search(pcss, mutual->map, &own, open.search_x, open.search_y, open.lanes);
+            open.lanes &= blockers.weight > 0;
+            vf_store(found->weight + i, blockers.weight);
+            vf_store(found->depth + i, blockers.depth);
+            const vi reach = reach_of(vf_max(open.search_x, open.search_y)), less = reach < most;
+            vi_store(found->sides + i, (reach & less) | (most & ~less));
+            listed = list_lit_by_own(mutual, i, open.lanes, fragments, texels, listed);
+        }
+        vi_store(found->open + i, open.lanes);
+    }
+    return keep_on_own(mutual, texels, fragments, listed);
+}
+
+/* Of fragments whose search found blockers. */
+static vf filter_on_sheets(const shb_pcss *pcss, size_t i, mutual_batch *mutual, pcss_found *found,
+                           const kept_sheets *sheets, vf visibility) {
+    const shb_map *map = mutual->map;
+    const vf near_depth = vf_splat(pcss->near_depth);
+    pcss_lanes own;
+    pcss_blocked blockers = {vf_load(found->weight + i), vf_load(found->depth + i), vf_splat(0)};
+    vi open = vi_load(found->open + i);
+    load_pcss_lanes(pcss, &mutual->receivers, i, mutual, &own);
+    take_open(pcss, &mutual->receivers, open, &own);
+    if (have_sheets(sheets, i)) {
+        const vf search_x = radius_lanes(pcss->texels_x, own.depth, near_depth);
+        const vf search_y = radius_lanes(pcss->texels_y, own.depth, near_depth);
+        own.sheets = sheets;
+        blockers = pcss->blockers ? leave_sheets(pcss, map, &own, found->taps + i * TAP_WORDS,
+                                                 search_x, search_y)
+                                  : search(pcss, map, &own, search_x, search_y, open);
+        open &= blockers.weight > 0;
+    }
+    return vf_where(open, lit_by_blockers(pcss, map, &own, &blockers, open), visibility);
+}
+
+/* Sheets are found for a whole batch at once. */
+static void ask_pcss_on_sheets(const shb_pcss *pcss, size_t count, mutual_batch *mutual,
+                               float *visibility) {
+    pcss_found found;
+    kept_sheets sheets;
+    uint16_t fragments[SHB_BATCH + 1];
+    const size_t listed = search_batch(pcss, count, mutual, &found, fragments, visibility);
+    find_kept_sheets(mutual, fragments, listed, found.sides, &sheets);
+    for (size_t i = 0; i < shb_round_to_lanes(count); i += WIDE)
+        if (vi_any(vi_load(found.open + i)))
+            vf_store(visibility + i,
+                     filter_on_sheets(pcss, i, mutual, &found, &sheets, vf_load(visibility + i)));
 }
 
 static void pcss_batch(const shb_pcss *pcss, const shb_map *map, size_t count,
@@ -469,5 +620,8 @@ static void pcss_exact(const shb_pcss *pcss, const shb_filter_args *args) {
                                     radius_lanes(pcss->texels_y, depth, near_depth))));
     }
     mutual_batch_finish(&mutual, args->count);
-    ask_pcss(pcss, args->map, args->count, &mutual.receivers, &mutual, args->visibility);
+    if (args->map->info.occluders == SHB_OCCLUDERS_TRIANGLES)
+        ask_pcss(pcss, args->map, args->count, &mutual.receivers, &mutual, args->visibility);
+    else
+        ask_pcss_on_sheets(pcss, args->count, &mutual, args->visibility);
 }
