@@ -38,7 +38,7 @@ static inline ALWAYS_INLINE texel_box exact_box_in_place(const box_batch *batch,
 }
 
 /* The slopes of so many boxes are on their way from memory. */
-#define BOXES_AHEAD 4
+#define BOXES_AHEAD 8
 
 static inline ALWAYS_INLINE void prefetch_slopes(const box_batch *batch, size_t i, int n) {
     const texel_box b = exact_box_in_place(batch, i);
