@@ -151,3 +151,55 @@ TEST(exact_soft_shadows_by_points_of_a_disk_agree_with_a_slow_search) {
     check_soft_against_scalar(true, true, SHB_OCCLUDERS_PLANES, 0.4, 40);
     check_soft_against_scalar(false, true, SHB_OCCLUDERS_PLANES, 0.5, 25);
 }
+
+/* Rows of points on triangles of the relief, several in a texel; searches reach up to as many
+ * texels as depth says, and so one texel farther at some points of a texel than at others. */
+static void fill_rows(const soup *s, asked_points *made) {
+    enum { ROW = 12 };
+    for (int i = 0; i < ASKED_POINTS; i++) {
+        const float *a = s->positions + 9 * (s->count - 1 - (uint32_t)(i / ROW));
+        const float *b = a + 3, *c = a + 6;
+        const float along = ((float)(i % ROW) + 0.5f) / ROW;
+        float first[3], second[3];
+        for (int k = 0; k < 3; k++) {
+            first[k] = b[k] - a[k];
+            second[k] = c[k] - a[k];
+            made->positions[3 * i + k] = a[k] + along * (0.7f * first[k] + 0.3f * second[k]);
+        }
+        for (int k = 0; k < 3; k++)
+            made->normals[3 * i + k] =
+                first[(k + 1) % 3] * second[(k + 2) % 3] - first[(k + 2) % 3] * second[(k + 1) % 3];
+    }
+}
+
+static void check_points_alone(double light, int taps) {
+    const shb_filter filter = shb_filter_pcss((float)light, taps, taps, SHB_TAPS_PLANE);
+    const shb_bias exact = shb_bias_exact();
+    soup s = {0};
+    asked_scene_add(&s);
+    asked_scene_add_relief(&s);
+    asked_points *given = malloc(sizeof *given);
+    fill_rows(&s, given);
+    const shb_map_desc desc = {
+        .view = probe_orthographic(true), .width = 64, .occluders = SHB_OCCLUDERS_PLANES};
+    asked_map made = asked_map_draw(SHB_ISA_BEST, &desc, &s);
+    float together[ASKED_POINTS], alone;
+    asked_map_ask(&made, given, &filter, together);
+    int different = 0;
+    for (int i = 0; i < ASKED_POINTS; i++) {
+        const shb_points point = {
+            .count = 1, .positions = given->positions + 3 * i, .normals = given->normals + 3 * i};
+        CHECK_INT(shb_map_visibility(made.map, &point, &exact, &filter, &alone), SHB_OK);
+        different += alone != together[i];
+    }
+    CHECK_INT(different, 0);
+    asked_map_close(&made);
+    free(given);
+    soup_free(&s);
+}
+
+TEST(exact_soft_shadows_of_a_point_do_not_depend_on_others_in_its_texel) {
+    check_points_alone(0.15, 0);
+    check_points_alone(0.164, 0);
+    check_points_alone(0.164, 40);
+}
