@@ -2,22 +2,10 @@
 
 #include "exact.h"
 
-#include "exact_points.h"
+#include "exact_lists.h"
 #include "exact_triangles.h"
 #include "kernels/shade.h"
-#include "kernels/sheets.h"
-#include "lists.h"
 #include "project.h"
-
-static void ask_lists(const shb_lists *lists, const shb_exact_points *points, float *visibility) {
-    const shb_list_points asked = {.count = points->count,
-                                   .x = points->x,
-                                   .y = points->y,
-                                   .z = points->z,
-                                   .own_ids = points->has_ids ? points->own_ids : NULL,
-                                   .rounding = points->are_exact ? 0 : SHB_FLOAT_ROUNDING};
-    shb_lists_query(lists, &asked, visibility);
-}
 
 static bool has_planes_alone(const shb_map *map) {
     return map->info.occluders == SHB_OCCLUDERS_PLANES;
@@ -26,6 +14,10 @@ static bool has_planes_alone(const shb_map *map) {
 bool shb_exact_asks_triangles_alone(const shb_map *map) {
     return map->info.occluders == SHB_OCCLUDERS_TRIANGLES && !map->classifies &&
            map->occluders.held;
+}
+
+bool shb_exact_asks_unsure_lists(const shb_map *map) {
+    return map->info.occluders == SHB_OCCLUDERS_LISTS && map->classifies && map->occluders.held;
 }
 
 bool shb_exact_asks_planes_alone(const shb_map *map) {
@@ -52,33 +44,11 @@ static void ask_triangles(const shb_map *map, const shb_exact_points *points,
 static void ask_occluders(const shb_map *map, const shb_exact_points *points,
                           const shb_receivers *receivers, float *visibility) {
     if (map->lists)
-        ask_lists(map->lists, points, visibility);
+        shb_exact_ask_lists(map, points, visibility);
     else if (has_planes_alone(map))
         ask_planes(map, points->count, receivers, visibility);
     else
         ask_triangles(map, points, receivers, visibility);
-}
-
-/* Writes the answers that are certain, and the numbers of the other fragments; returns how many
- * these are. */
-static size_t settle(const shb_map *map, const shb_exact_points *points, float *visibility,
-                     uint16_t unsure[SHB_BATCH]) {
-    SHB_ALIGN int32_t answers[SHB_BATCH];
-    SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH];
-    const shb_sheet_kernels *kernels = shb_sheet_kernels_of(map->context->isa);
-    for (size_t i = 0; i < shb_round_to_lanes(points->count); i++) {
-        x[i] = (float)points->x[i];
-        y[i] = (float)points->y[i];
-        z[i] = (float)points->z[i];
-    }
-    kernels->ask(shb_map_sheets(map), points->count, x, y, z, answers);
-    size_t left = 0;
-    for (size_t i = 0; i < points->count; i++) {
-        visibility[i] = answers[i] == SHB_LIGHT_SHADOWED ? 0.0f : 1.0f;
-        unsure[left] = (uint16_t)i;
-        left += answers[i] == SHB_LIGHT_UNSURE;
-    }
-    return left;
 }
 
 /* Few fragments are left for the occluders where sheets know the others. */
@@ -89,7 +59,7 @@ static void ask_sheets_first(const shb_map *map, const shb_exact_points *points,
     const shb_quick_points arrays = shb_quick_points_of(receivers);
     shb_exact_points left_points;
     shb_receivers left;
-    const size_t left_count = settle(map, points, visibility, unsure);
+    const size_t left_count = shb_exact_settle(map, points, visibility, unsure);
     if (left_count == 0)
         return;
     shb_exact_points_pick(points, unsure, left_count, &left_points);

@@ -44,6 +44,9 @@ void shb_exact_visibility(const shb_filter_args *args);
 /* True: shb_exact_visibility is the kernel for planes, for points that no method has lifted. */
 bool shb_exact_asks_planes_alone(const shb_map *map);
 
+/* True: shb_exact_visibility is what shb_unsure_points_ask answers, for points without ids. */
+bool shb_exact_asks_unsure_lists(const shb_map *map);
+
 /* True: shb_exact_visibility is what shb_triangle_points_ask answers. */
 bool shb_exact_asks_triangles_alone(const shb_map *map);
 

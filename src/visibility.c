@@ -1,7 +1,7 @@
 #include "visibility.h"
 
 #include "exact.h"
-#include "exact_points.h"
+#include "exact_lists.h"
 #include "exact_triangles.h"
 #include "kernels/shade.h"
 #include "kernels/sheets.h"
@@ -270,9 +270,34 @@ static shb_result check_points(const shb_map *map, const shb_points *points,
     return shb_points_check(map->context, "shb_map_visibility", points);
 }
 
-static bool asks_triangles(const shb_map *map, const shb_bias *bias, const shb_filter *filter) {
-    return bias->needs & SHB_NEEDS_OCCLUDERS && shb_exact_asks_triangles_alone(map) &&
-           (!filter || filter->exact == shb_exact_visibility);
+static bool is_exact(const shb_bias *bias, const shb_filter *filter) {
+    return bias->needs & SHB_NEEDS_OCCLUDERS && (!filter || filter->exact == shb_exact_visibility);
+}
+
+/* Loads a batch as the exact method asks about it, and asks for the memory of the next one. */
+static void load_exact(const shb_map *map, const shb_points *points, size_t first,
+                       float *visibility, shb_exact_points *exact) {
+    const size_t left = points->count - first, count = left < SHB_BATCH ? left : SHB_BATCH;
+    const size_t stride = shb_triple_stride(points->position_stride);
+    const shb_own_triangles own = own_from(&points->own, first);
+    shb_receivers batch;
+    prefetch_answers(visibility + first, count);
+    load(map->context->shade_kernels, points->positions, stride, first, count, batch.x, batch.y,
+         batch.z);
+    prefetch(points->positions, stride, first + count, points->count);
+    shb_exact_points_of(map, count, &own, &batch, exact);
+}
+
+/* The exact method where the map keeps lists and sheets. */
+static void ask_unsure_lists(const shb_map *map, const shb_points *points, float *visibility) {
+    shb_exact_points exact;
+    shb_unsure_points unsure;
+    shb_unsure_points_begin(map, visibility, &unsure);
+    for (size_t first = 0; first < points->count; first += SHB_BATCH) {
+        load_exact(map, points, first, visibility, &exact);
+        shb_unsure_points_ask(&unsure, &exact, first);
+    }
+    shb_unsure_points_end(&unsure);
 }
 
 /* The exact method where the map keeps triangles. */
@@ -284,18 +309,11 @@ static void ask_triangles(const shb_map *map, const shb_points *points, float *v
                                     {normal, normal + 1, normal + 2},
                                     position_stride / sizeof *position,
                                     normal_stride / sizeof *normal};
-    shb_receivers batch;
     shb_exact_points exact;
     shb_triangle_points asked;
     shb_triangle_points_begin(map, &places, visibility, &asked);
     for (size_t first = 0; first < points->count; first += SHB_BATCH) {
-        const size_t left = points->count - first, count = left < SHB_BATCH ? left : SHB_BATCH;
-        const shb_own_triangles own = own_from(&points->own, first);
-        prefetch_answers(visibility + first, count);
-        load(map->context->shade_kernels, position, position_stride, first, count, batch.x, batch.y,
-             batch.z);
-        prefetch(position, position_stride, first + count, points->count);
-        shb_exact_points_of(map, count, &own, &batch, &exact);
+        load_exact(map, points, first, visibility, &exact);
         shb_triangle_points_ask(&asked, &exact, first);
     }
     shb_triangle_points_end(&asked);
@@ -313,8 +331,13 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
         result = shb_own_triangles_check(map, "shb_map_visibility", points);
     if (result != SHB_OK)
         return result;
-    if (points->count && asks_triangles(map, bias, filter)) {
+    const bool exact = points->count && is_exact(bias, filter);
+    if (exact && shb_exact_asks_triangles_alone(map)) {
         ask_triangles(map, points, visibility);
+        return SHB_OK;
+    }
+    if (exact && !points->own.ids && shb_exact_asks_unsure_lists(map)) {
+        ask_unsure_lists(map, points, visibility);
         return SHB_OK;
     }
 
