@@ -31,7 +31,7 @@ static void clear_layers(const shb_tile *tile, int32_t column, int32_t row, int3
         fill_far(columns, rows, tile->stride, tile->far_depth, tile->depth + at);
     if (tile->second && !known)
         fill_far(columns, rows, tile->stride, tile->far_depth, tile->second + at);
-    for (int32_t j = 0; tile->ids && !tile->planes && !known && j < rows; j++)
+    for (int32_t j = 0; tile->ids && !known && j < rows; j++)
         memset(tile->ids + at + j * tile->stride, 0xff, (size_t)columns * sizeof *tile->ids);
 }
 
