@@ -4,12 +4,13 @@
  * small and for larger triangles) and included k_rows.inl for each of them. */
 
 /* How a triangle is drawn. Rows are plain and lie in the tile: in one narrow vector 1 .. 8 rows or
- * an even number of up to 16, in PAIR samples an even number of up to 16. */
+ * an even number of up to 16, in PAIR samples or two PAIRs an even number of up to 16. */
 enum {
     CLASS_NONE = 0,
     CLASS_NARROW = 1,  /* one row; twelve classes */
     CLASS_PAIR = 13,   /* two rows; eight classes */
-    CLASS_SINGLE = 21, /* one sample */
+    CLASS_PAIRS = 21,  /* two rows of several pairs; eight classes */
+    CLASS_SINGLE = 29, /* one sample */
     CLASS_TINY,
     CLASS_SMALL,
     CLASS_SMALL_CAREFUL,
@@ -21,24 +22,32 @@ enum {
 #define ROWS_EXACT 8
 #define ROWS_MAX 16
 
+/* Two pairs where vectors are short, of depth alone: triangles that wide were nearly half of the
+ * time without a class of their own. Of more layers what lies beside the box costs as much. */
+static inline int32_t rows_width(int layers) {
+    return NARROW == 4 && layers == 0 ? 2 * PAIR : PAIR;
+}
+
 /* Comparisons are written as signs of differences, which stay within 2^17: vectors of integers. */
-static void classify(int count, const shb_tile *tile, const chunk_boxes *restrict boxes,
+static void classify(int count, int layers, const shb_tile *tile, const chunk_boxes *restrict boxes,
                      const chunk_planes *restrict planes, uint8_t classes[SHB_CHUNK]) {
     int32_t wide[SHB_CHUNK];
     const int32_t x0 = tile->x0, y0 = tile->y0, x1 = tile->x1, y1 = tile->y1;
+    const int32_t rows_most = rows_width(layers);
     for (int t = 0; t < lanes_of(count); t++) {
         const int32_t x = boxes->x[t], y = boxes->y[t];
         const int32_t width = boxes->width[t], height = boxes->height[t];
         const int32_t pairs = (height + 1) >> 1;
         const int32_t not_small = (SHB_SMALL - width) | (SHB_SMALL - height);
         const int32_t outside = (x - x0) | (y - y0) | (x1 - x - width) | (y1 - y - 2 * pairs);
-        const int32_t not_rows = outside | (PAIR - width) | (ROWS_MAX - height);
+        const int32_t not_rows = outside | (rows_most - width) | (ROWS_MAX - height);
         const int32_t not_tiny = outside | (2 - width) | (2 - height) | (x1 - x - 2);
         const int32_t not_single = not_tiny | (1 - width) | (1 - height);
         const int32_t careful = not_small < 0 ? CLASS_LARGE_CAREFUL : CLASS_SMALL_CAREFUL;
         const int32_t even = CLASS_NARROW + ROWS_EXACT / 2 - 1 + pairs;
         const int32_t narrow = ROWS_EXACT - height < 0 ? even : CLASS_NARROW - 1 + height;
-        const int32_t rows = NARROW - width < 0 ? CLASS_PAIR - 1 + pairs : narrow;
+        const int32_t wider = PAIR - width < 0 ? CLASS_PAIRS : CLASS_PAIR;
+        const int32_t rows = NARROW - width < 0 ? wider - 1 + pairs : narrow;
         int32_t class = not_small < 0 ? CLASS_LARGE : CLASS_SMALL;
         class = not_rows < 0 ? class : rows;
         class = not_tiny < 0 ? class : CLASS_TINY;
@@ -151,6 +160,12 @@ static inline __attribute__((always_inline)) void draw_single(const shb_tile *ti
     merge_sample(tile, layers, at, layers & LAYER_PLANES ? planes->anchor[t] + z : z, id);
 }
 
+/* Where so many columns, which begin with the triangle's box, lie in the tile. */
+static inline int32_t left_of(const shb_tile *tile, const chunk_boxes *boxes, int t,
+                              int32_t columns) {
+    return MIN(boxes->x[t], tile->x1 - columns);
+}
+
 /* Calls draw for every triangle of the half chunk that is of the class. */
 #define FOR_CLASS(class, draw)                                                                     \
     for (uint64_t members = wide_equal_bytes(classes + half, (class)); members;                    \
@@ -164,10 +179,18 @@ static inline __attribute__((always_inline)) void draw_single(const shb_tile *ti
 #define WIDE_DRAW(name) SHB_JOIN(name, WIDE)
 #define DRAW_NARROW(class, rows)                                                                   \
     FOR_CLASS(CLASS_NARROW - 1 + (class),                                                          \
-              NARROW_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, NARROW, rows))
+              NARROW_DRAW(draw_rows)(tile, layers, boxes, planes, t, id,                           \
+                                     left_of(tile, boxes, t, NARROW), NARROW, rows))
 #define DRAW_PAIR(rows)                                                                            \
     FOR_CLASS(CLASS_PAIR - 1 + (rows) / 2,                                                         \
-              WIDE_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, PAIR, rows))
+              WIDE_DRAW(draw_rows)(tile, layers, boxes, planes, t, id,                             \
+                                   left_of(tile, boxes, t, PAIR), PAIR, rows))
+#define DRAW_PAIRS(rows)                                                                           \
+    FOR_CLASS(CLASS_PAIRS - 1 + (rows) / 2, {                                                      \
+        const int32_t left = left_of(tile, boxes, t, 2 * PAIR);                                    \
+        WIDE_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, left, PAIR, rows);                \
+        WIDE_DRAW(draw_rows)(tile, layers, boxes, planes, t, id, left + PAIR, PAIR, rows);         \
+    })
 
 static inline __attribute__((always_inline)) void
 draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
@@ -196,6 +219,16 @@ draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
         DRAW_PAIR(12)
         DRAW_PAIR(14)
         DRAW_PAIR(16)
+        if (rows_width(layers) > PAIR) {
+            DRAW_PAIRS(2)
+            DRAW_PAIRS(4)
+            DRAW_PAIRS(6)
+            DRAW_PAIRS(8)
+            DRAW_PAIRS(10)
+            DRAW_PAIRS(12)
+            DRAW_PAIRS(14)
+            DRAW_PAIRS(16)
+        }
         FOR_CLASS(CLASS_SMALL, WIDE_DRAW(draw_small)(tile, layers, boxes, planes, t, id, true))
         FOR_CLASS(CLASS_SMALL_CAREFUL,
                   WIDE_DRAW(draw_small)(tile, layers, boxes, planes, t, id, false))
@@ -319,7 +352,7 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, int count
         find_ids(chunk, count, list, ids);
     else
         memset(ids, 0, sizeof ids);
-    classify(count, tile, boxes, planes, classes);
+    classify(count, layers, tile, boxes, planes, classes);
     if (has_class(classes, CLASS_TINY))
         sample_tiny(count, layers, planes, &samples);
     switch (layers) {

@@ -167,16 +167,15 @@ static inline __attribute__((always_inline)) void W(draw_large)(const shb_tile *
         }
 }
 
-/* A plain triangle whose box lies in the tile and is at most width samples wide and height rows
- * high. Both are constants where this is inlined, and width a multiple of LANES, so the loops
- * unroll and no branch depends on the triangle. */
+/* Columns left .. left + width - 1 of a plain triangle whose box lies in the tile and is at most
+ * height rows high. Width and height are constants where this is inlined, and width a multiple of
+ * LANES, so the loops unroll and no branch depends on the triangle. */
 static inline __attribute__((always_inline)) void
 W(draw_rows)(const shb_tile *tile, int layers, const chunk_boxes *boxes, const chunk_planes *planes,
-             int t, uint32_t triangle, int width, int height) {
+             int t, uint32_t triangle, int32_t left, int width, int height) {
     enum { VECTORS_MAX = 2 };
     const tile_texels texels = texels_of(tile);
     const W(wi) id = W(wi_splat)((int32_t)triangle);
-    const int32_t left = MIN(boxes->x[t], tile->x1 - width);
     const int vectors = width / LANES;
     W(wi) edge[VECTORS_MAX][3], step[3];
     W(wf) along[VECTORS_MAX];
