@@ -114,8 +114,6 @@ shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc,
         return NULL;
     shb_layers *lanes = scratch[SHB_SCRATCH_LANES].data;
     float *layer = scratch[SHB_SCRATCH_LAYERS].data;
-    if (target->planes) /* slopes of clear samples are stored beside drawn ones, and read */
-        memset(layer, 0, count * lane_texels * 4);
     for (size_t i = 0; i < count; i++, layer += lane_texels)
         lanes[i] = (shb_layers){
             .pitch = pitch,

@@ -51,7 +51,7 @@ bool shb_occluders_create(shb_map *map) {
         return false;
     if (map->info.occluders != SHB_OCCLUDERS_PLANES)
         return true;
-    /* Kernels read the slopes of texels that nothing covers, too, though they decide nothing. */
+    /* Kernels read slopes beyond the last column, too, though they decide nothing. */
     memset(data->texels, 0, map->info.height * data->stride);
     data->quick = shb_quick_planes_of(map);
     const bool done =
