@@ -181,22 +181,22 @@ static inline ALWAYS_INLINE bool any_set(const int32_t *masks, size_t count) {
 /* The texels of so many boxes are on their way from memory. */
 #define PREFETCHED_BOXES 32
 
-/* Asks for two corners of each of count boxes, if the run goes on to them: neighbours have most
- * texels in common, and what is new to one lies at its rim. width: columns that are read. Of boxes
- * that are not read in place anything may be asked for, so addresses are numbers. */
+/* Asks for the corners of count boxes, if the run goes on to them: neighbours have most texels in
+ * common, and what is new to one lies at its rim, first of all in the corner towards which they
+ * move. width: columns that are read. Of boxes that are not read in place anything may be asked
+ * for, so addresses are numbers. */
 static inline ALWAYS_INLINE void prefetch_boxes(const box_run *run, size_t first, size_t count,
                                                 int width) {
     const int32_t *place = run->batch->place;
     const intptr_t left = (intptr_t)run->batch->map->depth.texels;
     const intptr_t right = left + (intptr_t)sizeof(float) * (width - 1);
     const intptr_t down = (run->n - 1) * (intptr_t)run->batch->map->depth.stride;
-    for (size_t i = first; i < first + count && first < run->end; i += 2) {
-        const intptr_t even = (intptr_t)sizeof(float) * place[i];
-        const intptr_t odd = (intptr_t)sizeof(float) * place[i + (count > 1)];
-        __builtin_prefetch((const void *)(left + even));
-        __builtin_prefetch((const void *)(right + down + even));
-        __builtin_prefetch((const void *)(right + odd));
-        __builtin_prefetch((const void *)(left + down + odd));
+    for (size_t i = first; i < first + count && first < run->end; i++) {
+        const intptr_t offset = (intptr_t)sizeof(float) * place[i];
+        __builtin_prefetch((const void *)(left + offset));
+        __builtin_prefetch((const void *)(right + offset));
+        __builtin_prefetch((const void *)(left + down + offset));
+        __builtin_prefetch((const void *)(right + down + offset));
     }
 }
 
