@@ -50,7 +50,7 @@ void shb_packed_points_end(shb_packed_points *packed) {
     if (packed->waiting == 0)
         return;
     fill_lanes(packed);
-    shb_visibility_in_full(packed->map, packed->bias, &hard, packed->waiting, false, NULL,
+    shb_visibility_in_full(packed->map, packed->bias, &hard, packed->waiting, false, NULL, NULL,
                            &packed->receivers, visibility);
     for (size_t i = 0; i < packed->waiting; i++)
         packed->visibility[packed->numbers[i]] = visibility[i];

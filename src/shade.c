@@ -142,7 +142,7 @@ static void ask_light(const shading *job, size_t k, size_t count, workspace *wor
     const shb_own_triangles own = {fragments->id, fragments->weight_1, fragments->weight_2};
     const bool lifted = job->desc->smooth_terminator;
     shb_visibility_batch(light->map, light->bias, &job->filters[k], count, lifted,
-                         lifted ? NULL : &own, &points, &work->tests[k], &work->receivers,
+                         lifted ? NULL : &own, &points, NULL, &work->tests[k], &work->receivers,
                          visibility);
     for (size_t i = count; i % SHB_LANES; i++)
         visibility[i] = visibility[count - 1];

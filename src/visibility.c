@@ -115,9 +115,15 @@ static void light_all(size_t count, float *visibility) {
         visibility[i] = 1;
 }
 
+static void prefetch_whole(const shb_next_batch *next) {
+    for (size_t i = 0; i < SHB_BATCH; i += SHB_LINE_FLOATS)
+        shb_prefetch_next(next, i);
+}
+
 void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                             size_t count, bool lifted, const shb_own_triangles *own,
-                            shb_receivers *receivers, float *visibility) {
+                            const shb_next_batch *next, shb_receivers *receivers,
+                            float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
     const shb_bias_args bias_args = {count, bias, &map->info, receivers, kernels};
     const shb_filter_args filter_args = {
@@ -126,6 +132,7 @@ void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_
         own};
 
     if (bias->needs & SHB_NEEDS_OCCLUDERS) {
+        prefetch_whole(next);
         if (map->occluders.held)
             filter->exact(&filter_args);
         else
@@ -133,12 +140,12 @@ void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_
         return;
     }
     const uint32_t needs = bias->needs | filter->needs;
-    kernels->project(map, needs, count, receivers);
+    kernels->project(map, needs, count, next, receivers);
     if (needs & SHB_NEEDS_NORMAL)
         kernels->normals(&map->projection, count, receivers);
     if (bias->offset) {
         bias->offset(&bias_args);
-        kernels->project(map, 0, count, receivers);
+        kernels->project(map, 0, count, NULL, receivers);
     }
     if (bias->depth)
         bias->depth(&bias_args);
@@ -163,8 +170,8 @@ static void copy_points(const shb_quick_points *from, size_t count, bool with_no
 
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, bool lifted, const shb_own_triangles *own,
-                          const shb_quick_points *points, shb_quick_test *test,
-                          shb_receivers *receivers, float *visibility) {
+                          const shb_quick_points *points, const shb_next_batch *next,
+                          shb_quick_test *test, shb_receivers *receivers, float *visibility) {
     const shb_shade_kernels *kernels = map->context->shade_kernels;
     SHB_ALIGN float asked[SHB_BATCH];
     uint16_t doubtful[SHB_BATCH];
@@ -174,10 +181,13 @@ void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_fi
         left = kernels->quick(map, &quick, count, points, test, visibility, doubtful);
     if (left == SIZE_MAX) {
         copy_points(points, count, needs_normals(map, bias, filter), receivers);
-        shb_visibility_in_full(map, bias, filter, count, lifted, own, receivers, visibility);
-    } else if (left > 0) {
+        shb_visibility_in_full(map, bias, filter, count, lifted, own, next, receivers, visibility);
+        return;
+    }
+    prefetch_whole(next);
+    if (left > 0) {
         shb_receivers_pick(points, doubtful, left, quick.plane, receivers);
-        shb_visibility_in_full(map, bias, filter, left, lifted, NULL, receivers, asked);
+        shb_visibility_in_full(map, bias, filter, left, lifted, NULL, NULL, receivers, asked);
         for (size_t i = 0; i < left; i++)
             visibility[doubtful[i]] = asked[i];
     }
@@ -198,24 +208,6 @@ static void load(const shb_shade_kernels *kernels, const float *base, size_t str
         y[i] = triple[1];
         z[i] = triple[2];
     }
-}
-
-/* Asks for the elements from first on that the next batch loads: while this one is worked on, no
- * processor would go on with the stream. */
-static void prefetch(const float *base, size_t stride, size_t first, size_t count) {
-    const size_t line = 64, step = stride > line ? stride : line;
-    const char *bytes = (const char *)base + first * stride;
-    const size_t more = count - first < SHB_BATCH ? count - first : SHB_BATCH;
-    for (size_t i = 0; i < more * stride; i += step)
-        __builtin_prefetch(bytes + i);
-}
-
-/* Asks for the lines that a batch's answers are written to: a store that waits for its line holds
- * up all stores behind it. */
-static void prefetch_answers(const float *visibility, size_t count) {
-    const size_t line = 64 / sizeof *visibility;
-    for (size_t i = 0; i < count; i += line)
-        __builtin_prefetch(visibility + i, 1);
 }
 
 static bool are_aligned(const shb_points *points) {
@@ -262,6 +254,16 @@ static shb_own_triangles own_from(const shb_own_triangles *own, size_t first) {
                                own->weight_2 ? own->weight_2 + first : NULL};
 }
 
+static shb_next_batch next_batch_of(const shb_points *points, bool with_normals, size_t first,
+                                    float *visibility) {
+    const size_t position_stride = shb_triple_stride(points->position_stride);
+    const size_t normal_stride = shb_triple_stride(points->normal_stride);
+    const char *positions = (const char *)points->positions + first * position_stride;
+    const char *normals =
+        with_normals ? (const char *)points->normals + first * normal_stride : NULL;
+    return (shb_next_batch){positions, normals, position_stride, normal_stride, visibility + first};
+}
+
 static shb_result check_points(const shb_map *map, const shb_points *points,
                                const float *visibility) {
     if (!points || !visibility)
@@ -281,10 +283,12 @@ static void load_exact(const shb_map *map, const shb_points *points, size_t firs
     const size_t stride = shb_triple_stride(points->position_stride);
     const shb_own_triangles own = own_from(&points->own, first);
     shb_receivers batch;
-    prefetch_answers(visibility + first, count);
     load(map->context->shade_kernels, points->positions, stride, first, count, batch.x, batch.y,
          batch.z);
-    prefetch(points->positions, stride, first + count, points->count);
+    if (left >= 2 * SHB_BATCH) {
+        const shb_next_batch next = next_batch_of(points, false, first + SHB_BATCH, visibility);
+        prefetch_whole(&next);
+    }
     shb_exact_points_of(map, count, &own, &batch, exact);
 }
 
@@ -358,20 +362,23 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
         const bool is_tried = is_packed && count == SHB_BATCH;
         if (is_tried && shb_packed_points_ask(&packed, first))
             continue;
-        prefetch_answers(visibility + first, count);
         load(kernels, points->positions, position_stride, first, count, batch.x, batch.y, batch.z);
-        prefetch(points->positions, position_stride, first + count, points->count);
-        if (with_normals) {
+        if (with_normals)
             load(kernels, points->normals, normal_stride, first, count, batch.normal_x,
                  batch.normal_y, batch.normal_z);
-            prefetch(points->normals, normal_stride, first + count, points->count);
+        shb_next_batch after;
+        const shb_next_batch *next = NULL;
+        if (left >= 2 * SHB_BATCH) {
+            after = next_batch_of(points, with_normals, first + SHB_BATCH, visibility);
+            next = &after;
         }
         const shb_own_triangles own = own_from(&points->own, first);
         if (is_tried)
-            shb_visibility_in_full(map, bias, &hard, count, false, &own, &batch, batch_visibility);
+            shb_visibility_in_full(map, bias, &hard, count, false, &own, next, &batch,
+                                   batch_visibility);
         else
             shb_visibility_batch(map, bias, filter ? filter : &hard, count, false, &own, &arrays,
-                                 &test, &batch, batch_visibility);
+                                 next, &test, &batch, batch_visibility);
         memcpy(visibility + first, batch_visibility, count * sizeof *visibility);
     }
     shb_packed_points_end(&packed);

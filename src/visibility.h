@@ -3,6 +3,7 @@
 #define SRC_VISIBILITY_H
 
 #include "map.h"
+#include "next_batch.h"
 #include "quick_test.h"
 
 /* Checks that the map can answer the method and the filter; has_normals: the fragments come with
@@ -17,15 +18,17 @@ shb_result shb_points_check(const shb_context *context, const char *caller,
 /* One batch that passed the check. points: arrays of positions and, if the method needs them,
  * normals of either side, up to the count rounded up to whole vectors. receivers: room to work in,
  * which may hold these arrays. lifted: the positions were moved off their surface. own: of the
- * batch, or NULL. test: of the batch before, by the same map and method, or not known. */
+ * batch, or NULL. test: of the batch before, by the same map and method, or not known. next: what
+ * is asked for meanwhile, or NULL. */
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                           size_t count, bool lifted, const shb_own_triangles *own,
-                          const shb_quick_points *points, shb_quick_test *test,
-                          shb_receivers *receivers, float *visibility);
+                          const shb_quick_points *points, const shb_next_batch *next,
+                          shb_quick_test *test, shb_receivers *receivers, float *visibility);
 
 /* The same without the quick test, of points that the receivers hold. */
 void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                             size_t count, bool lifted, const shb_own_triangles *own,
-                            shb_receivers *receivers, float *visibility);
+                            const shb_next_batch *next, shb_receivers *receivers,
+                            float *visibility);
 
 #endif

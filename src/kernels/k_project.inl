@@ -95,12 +95,15 @@ static inline ALWAYS_INLINE void write_texels(wd column, wd row, wd depth,
 
 /* A point that has no coordinates, behind the light or not finite, gets NaN for all three. */
 static inline ALWAYS_INLINE void project(const shb_map *map, bool affine, bool scale, bool slope,
-                                         size_t count, shb_receivers *restrict r) {
+                                         size_t count, const shb_next_batch *next,
+                                         shb_receivers *restrict r) {
     const shb_projection p = map->projection;
     const shb_light_rows rows = map->rows;
     const wd zero = wd_splat(0.0), one = wd_splat(1.0), none = wd_splat((double)NAN);
     const size_t lanes = shb_round_to_lanes(count);
     for (size_t i = 0; i < lanes; i += DOUBLES) {
+        if (i % SHB_LINE_FLOATS == 0)
+            shb_prefetch_next(next, i);
         const wd px = wd_load_floats(r->x + i), py = wd_load_floats(r->y + i);
         const wd pz = wd_load_floats(r->z + i);
         wd x = row_at(rows.x, px, py, pz);
@@ -146,25 +149,25 @@ static void fill_scales(const shb_projection *projection, size_t count, shb_rece
 }
 
 static void project_batch(const shb_map *map, uint32_t needs, size_t count,
-                          shb_receivers *receivers) {
+                          const shb_next_batch *next, shb_receivers *receivers) {
     const bool scale = (needs & SHB_NEEDS_SCALE) != 0, slope = (needs & SHB_NEEDS_SLOPE) != 0;
     if (map->projection.affine) {
         if (slope)
-            project(map, true, false, true, count, receivers);
+            project(map, true, false, true, count, next, receivers);
         else
-            project(map, true, false, false, count, receivers);
+            project(map, true, false, false, count, next, receivers);
         if (scale)
             fill_scales(&map->projection, count, receivers);
     } else if (slope) {
         if (scale)
-            project(map, false, true, true, count, receivers);
+            project(map, false, true, true, count, next, receivers);
         else
-            project(map, false, false, true, count, receivers);
+            project(map, false, false, true, count, next, receivers);
     } else {
         if (scale)
-            project(map, false, true, false, count, receivers);
+            project(map, false, true, false, count, next, receivers);
         else
-            project(map, false, false, false, count, receivers);
+            project(map, false, false, false, count, next, receivers);
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include "../exact_triangles.h"
 #include "../format.h"
+#include "../next_batch.h"
 #include "../pcss.h"
 #include "../quick_test.h"
 #include "../surface_table.h"
@@ -16,8 +17,9 @@ typedef struct shb_shade_kernels {
     void (*load)(const float *triples, size_t count, float *x, float *y, float *z);
 
     /* Positions to texels and depth; and, as needs names them, scales and slopes. Either side's
-     * normals do for slopes. */
-    void (*project)(const shb_map *map, uint32_t needs, size_t count, shb_receivers *receivers);
+     * normals do for slopes. next: what is asked for meanwhile, or NULL. */
+    void (*project)(const shb_map *map, uint32_t needs, size_t count, const shb_next_batch *next,
+                    shb_receivers *receivers);
 
     /* SHB_NEEDS_NORMAL: turns the normals to the light's side, replaces unusable ones by the
      * direction to the light, and writes the cosine. */
