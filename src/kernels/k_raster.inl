@@ -3,16 +3,17 @@
  * Before inclusion the instruction set's file has defined NARROW and WIDE (the numbers of lanes for
  * small and for larger triangles) and included k_rows.inl for each of them. */
 
-/* How a triangle is drawn. Rows are plain and lie in the tile: in one narrow vector 1 .. 8 rows or
- * an even number of up to 16, in PAIR samples or two PAIRs an even number of up to 16. */
+/* How a triangle is drawn, small ones first. Rows are plain and lie in the tile: in one narrow
+ * vector 1 .. 8 rows or an even number of up to 16, in PAIR samples or two PAIRs an even number of
+ * up to 16. */
 enum {
     CLASS_NONE = 0,
-    CLASS_NARROW = 1,  /* one row; twelve classes */
-    CLASS_PAIR = 13,   /* two rows; eight classes */
-    CLASS_PAIRS = 21,  /* two rows of several pairs; eight classes */
-    CLASS_SINGLE = 29, /* one sample */
-    CLASS_TINY,
-    CLASS_SMALL,
+    CLASS_SINGLE = 1, /* one sample */
+    CLASS_TINY = 2,
+    CLASS_NARROW = 3, /* one row; twelve classes */
+    CLASS_PAIR = 15,  /* two rows; eight classes */
+    CLASS_PAIRS = 23, /* two rows of several pairs; eight classes */
+    CLASS_SMALL = 31,
     CLASS_SMALL_CAREFUL,
     CLASS_LARGE,
     CLASS_LARGE_CAREFUL
@@ -28,10 +29,13 @@ static inline int32_t rows_width(int layers) {
     return NARROW == 4 && layers == 0 ? 2 * PAIR : PAIR;
 }
 
-/* Comparisons are written as signs of differences, which stay within 2^17: vectors of integers. */
-static void classify(int count, int layers, const shb_tile *tile, const chunk_boxes *restrict boxes,
-                     const chunk_planes *restrict planes, uint8_t classes[SHB_CHUNK]) {
+/* Returns the highest class of all. Comparisons are written as signs of differences, which stay
+ * within 2^17: vectors of integers. */
+static uint8_t classify(int count, int layers, const shb_tile *tile,
+                        const chunk_boxes *restrict boxes, const chunk_planes *restrict planes,
+                        uint8_t classes[SHB_CHUNK]) {
     int32_t wide[SHB_CHUNK];
+    uint8_t highest = CLASS_NONE;
     const int32_t x0 = tile->x0, y0 = tile->y0, x1 = tile->x1, y1 = tile->y1;
     const int32_t rows_most = rows_width(layers);
     for (int t = 0; t < lanes_of(count); t++) {
@@ -46,8 +50,8 @@ static void classify(int count, int layers, const shb_tile *tile, const chunk_bo
         const int32_t careful = not_small < 0 ? CLASS_LARGE_CAREFUL : CLASS_SMALL_CAREFUL;
         const int32_t even = CLASS_NARROW + ROWS_EXACT / 2 - 1 + pairs;
         const int32_t narrow = ROWS_EXACT - height < 0 ? even : CLASS_NARROW - 1 + height;
-        const int32_t wider = PAIR - width < 0 ? CLASS_PAIRS : CLASS_PAIR;
-        const int32_t rows = NARROW - width < 0 ? wider - 1 + pairs : narrow;
+        const int32_t wider = (PAIR - width) >> 31 & (CLASS_PAIRS - CLASS_PAIR);
+        const int32_t rows = NARROW - width < 0 ? CLASS_PAIR - 1 + pairs + wider : narrow;
         int32_t class = not_small < 0 ? CLASS_LARGE : CLASS_SMALL;
         class = not_rows < 0 ? class : rows;
         class = not_tiny < 0 ? class : CLASS_TINY;
@@ -58,6 +62,9 @@ static void classify(int count, int layers, const shb_tile *tile, const chunk_bo
     for (int t = 0; t < lanes_of(count); t++)
         classes[t] = (uint8_t)wide[t];
     memset(classes + lanes_of(count), CLASS_NONE, (size_t)(SHB_CHUNK - lanes_of(count)));
+    for (int t = 0; t < SHB_CHUNK; t++)
+        highest = classes[t] > highest ? classes[t] : highest;
+    return highest;
 }
 
 static bool has_class(const uint8_t classes[SHB_CHUNK], uint8_t class) {
@@ -195,7 +202,7 @@ static inline int32_t left_of(const shb_tile *tile, const chunk_boxes *boxes, in
 static inline __attribute__((always_inline)) void
 draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
              const chunk_boxes *boxes, const chunk_planes *planes, const tiny_samples *samples,
-             const uint8_t classes[SHB_CHUNK]) {
+             const uint8_t classes[SHB_CHUNK], uint8_t highest) {
     for (int half = 0; half < SHB_CHUNK; half += 64) {
         FOR_CLASS(CLASS_SINGLE, draw_single(tile, layers, boxes, planes, t, id))
         FOR_CLASS(CLASS_TINY, draw_tiny(tile, layers, boxes, samples, t, id))
@@ -211,6 +218,8 @@ draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
         DRAW_NARROW(10, 12)
         DRAW_NARROW(11, 14)
         DRAW_NARROW(12, 16)
+        if (highest < CLASS_PAIR)
+            continue;
         DRAW_PAIR(2)
         DRAW_PAIR(4)
         DRAW_PAIR(6)
@@ -352,24 +361,25 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, int count
         find_ids(chunk, count, list, ids);
     else
         memset(ids, 0, sizeof ids);
-    classify(count, layers, tile, boxes, planes, classes);
+    const uint8_t highest = classify(count, layers, tile, boxes, planes, classes);
     if (has_class(classes, CLASS_TINY))
         sample_tiny(count, layers, planes, &samples);
     switch (layers) {
     case 0:
-        draw_classes(ids, tile, 0, boxes, planes, &samples, classes);
+        draw_classes(ids, tile, 0, boxes, planes, &samples, classes, highest);
         break;
     case LAYER_IDS:
-        draw_classes(ids, tile, LAYER_IDS, boxes, planes, &samples, classes);
+        draw_classes(ids, tile, LAYER_IDS, boxes, planes, &samples, classes, highest);
         break;
     case LAYER_SECOND:
-        draw_classes(ids, tile, LAYER_SECOND, boxes, planes, &samples, classes);
+        draw_classes(ids, tile, LAYER_SECOND, boxes, planes, &samples, classes, highest);
         break;
     case LAYER_IDS | LAYER_PLANES:
-        draw_classes(ids, tile, LAYER_IDS | LAYER_PLANES, boxes, planes, &samples, classes);
+        draw_classes(ids, tile, LAYER_IDS | LAYER_PLANES, boxes, planes, &samples, classes,
+                     highest);
         break;
     default:
-        draw_classes(ids, tile, layers & ~LAYER_PLANES, boxes, planes, &samples, classes);
+        draw_classes(ids, tile, layers & ~LAYER_PLANES, boxes, planes, &samples, classes, highest);
     }
 }
 
