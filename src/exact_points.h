@@ -9,6 +9,16 @@
  * unless its triangle's corners lie more than 2^6 times as far from the origin. */
 #define SHB_WEIGHTS_ROUNDING 0x1p-46
 
+/* Of the sizes of a triangle's corners: what a host may have rounded away from a position. */
+#define SHB_POSITION_SLACK 0x1p-18
+
+/* The scene that a map was drawn from. Vectors may read one double behind the vertices. */
+typedef struct shb_drawn_mesh {
+    size_t triangle_count;
+    const uint32_t (*corners)[3];
+    const double (*vertices)[3];
+} shb_drawn_mesh;
+
 typedef struct shb_exact_points {
     size_t count; /* up to whole groups of SHB_LIST_GROUP there are copies of the last one */
     SHB_ALIGN double x[SHB_BATCH];

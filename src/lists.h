@@ -60,17 +60,14 @@ shb_result shb_lists_build(shb_context *context, const char *caller, const shb_v
 void shb_lists_recycle(shb_lists *lists);
 void shb_lists_destroy(shb_lists *lists);
 
-/* Points that ask. Whoever knows the triangle that each point lies on and its weights gets exact
- * answers: those of shb_reference_occluded, near plane apart, for the point that they name. */
+/* Points that ask. Those without rounding get exact answers: those of shb_reference_occluded, near
+ * plane apart. */
 typedef struct shb_list_points {
     size_t count;
-    const double *x, *y, *z; /* world; not read where there are weights */
+    const double *x, *y, *z; /* world */
     const uint32_t *own_ids; /* triangle that each point lies on, or SHB_ID_NONE; NULL: unknown */
-    const float *weight_1, *weight_2; /* barycentric, of the second and third corner of that
-                                         triangle, whose id must then be in range; NULL: none */
     double rounding; /* of each coordinate relative to its size: 0x1p-24 for floats; 0: points are
-                        exact but for the double arithmetic they were computed in, as those of
-                        weights always are */
+                        exact but for the double arithmetic they were computed in */
 } shb_list_points;
 
 /* Visibility of the light: 0 shadowed, 1 lit. A triangle blocks if it lies in front of a point by

@@ -30,7 +30,7 @@ static bool reserve_scene(build *b) {
     shb_lists *lists = b->lists;
     lists->triangles = reserve(b, SHB_LIST_TRIANGLES, lists->id_count, sizeof *lists->triangles);
     lists->corners = reserve(b, SHB_LIST_CORNERS, lists->id_count, sizeof *lists->corners);
-    lists->vertices = reserve(b, SHB_LIST_WORLD, b->vertex_count, sizeof *lists->vertices);
+    lists->vertices = reserve(b, SHB_LIST_WORLD, b->vertex_count + 1, sizeof *lists->vertices);
     return lists->triangles && lists->corners && lists->vertices;
 }
 

@@ -31,7 +31,7 @@ typedef struct inquiry {
     size_t run_count;
     shb_list_run runs[GROUP];
     shb_list_question questions[GROUP * SHB_LIST_STEP];
-    double places[3][GROUP]; /* of points that are not where the host has them */
+    double places[3][GROUP]; /* of a group that is not whole */
 } inquiry;
 
 /* The parameter of a ray at which it leaves what lies behind the near plane. */
@@ -137,20 +137,6 @@ static size_t lanes_of(const inquiry *q) {
     return (q->g.count + SHB_LIST_LANES - 1) / SHB_LIST_LANES * SHB_LIST_LANES;
 }
 
-/* From the first corner, as the truth has it. */
-static void place_on_triangles(inquiry *q, const float *weight_1, const float *weight_2) {
-    const shb_lists *lists = q->lists;
-    for (size_t k = 0; k < lanes_of(q); k++) {
-        const size_t point = k < q->g.count ? k : q->g.count - 1;
-        const uint32_t *corners = lists->corners[q->g.own[point]];
-        const double *a = lists->vertices[corners[0]], *b = lists->vertices[corners[1]];
-        const double *c = lists->vertices[corners[2]];
-        for (int i = 0; i < 3; i++)
-            q->places[i][k] = a[i] + ((b[i] - a[i]) * (double)weight_1[point] +
-                                      (c[i] - a[i]) * (double)weight_2[point]);
-    }
-}
-
 /* Whole groups are read where they are; the last point fills up another. */
 static void load(inquiry *q, const shb_list_points *points, size_t first) {
     const size_t rest = points->count - first;
@@ -159,12 +145,8 @@ static void load(inquiry *q, const shb_list_points *points, size_t first) {
     q->g.has_own = points->own_ids != NULL;
     for (size_t k = 0; q->g.has_own && k < lanes_of(q); k++)
         q->g.own[k] = points->own_ids[first + (k < q->g.count ? k : q->g.count - 1)];
-    if (points->weight_1)
-        place_on_triangles(q, points->weight_1 + first, points->weight_2 + first);
     for (int i = 0; i < 3; i++) {
         q->g.world[i] = q->places[i];
-        if (points->weight_1)
-            continue;
         if (q->g.count == GROUP)
             q->g.world[i] = from[i] + first;
         for (size_t k = 0; q->g.count < GROUP && k < lanes_of(q); k++)
@@ -241,7 +223,7 @@ static void ask_group(inquiry *q, float *visibility) {
 void shb_lists_query(const shb_lists *lists, const shb_list_points *points, float *visibility) {
     inquiry q;
     q.lists = lists;
-    q.rounding = points->weight_1 ? 0 : points->rounding;
+    q.rounding = points->rounding;
     for (size_t first = 0; first < points->count; first += GROUP) {
         load(&q, points, first);
         ask_group(&q, visibility + first);

@@ -128,7 +128,7 @@ static bool weld_scene(const shb_context *context, const shb_scene *scene, shb_t
                         .slots = shb_alloc(context, size, sizeof *table.slots),
                         .welded = shb_alloc(context, largest, sizeof *table.welded),
                         .topology = t};
-    t->positions = shb_alloc(context, vertices, sizeof *t->positions);
+    t->positions = shb_alloc(context, vertices + 1, sizeof *t->positions);
     const bool done = table.slots && table.welded && t->positions;
     if (done) {
         memset(table.slots, 0xff, size * sizeof *table.slots);

@@ -355,47 +355,6 @@ TEST(a_shadow_begins_at_its_hinge) {
     soup_free(&s);
 }
 
-/* The lists place the points themselves; the truth gets them from the same weights. */
-TEST(points_by_their_weights_get_the_answers_of_rays) {
-    enum { COUNT = 5000 };
-    soup s = {0};
-    test_random random = {15};
-    for (int i = 0; i < 500; i++)
-        soup_add_random(&s, &random, i % 9 == 0 ? 0.8 : 0.1);
-    const shb_scene *scene = soup_scene(&s);
-    shb_context *context = lists_context(1);
-    const shb_view view = lists_view(&lists_slanted, (shb_box){{-2, -2, -2}, {2, 2, 2}}, 200, true);
-    shb_lists *lists = lists_of(context, &view, 200, scene);
-    list_samples points = list_samples_create(scene, COUNT, 16);
-    static float weight_1[COUNT], weight_2[COUNT];
-    for (size_t i = 0; i < COUNT; i++) {
-        shb_vec3 c[3];
-        CHECK_INT(shb_scene_triangle(scene, points.own_ids[i], c), SHB_OK);
-        weight_1[i] = (float)random_double(&random, 0, 0.5);
-        weight_2[i] = (float)random_double(&random, 0, 0.5);
-        const shb_vec3 along_1 = shb_vec3_scale(shb_vec3_subtract(c[1], c[0]), (double)weight_1[i]);
-        const shb_vec3 along_2 = shb_vec3_scale(shb_vec3_subtract(c[2], c[0]), (double)weight_2[i]);
-        points.points[i] = shb_vec3_add(c[0], shb_vec3_add(along_1, along_2));
-    }
-    shb_reference *reference = NULL;
-    CHECK_INT(shb_reference_create(context, scene, &reference), SHB_OK);
-    list_samples_find_truth(reference, &view, &points);
-    CHECK(list_samples_occluded(&points) > 1000);
-    const shb_list_points asked = {.count = COUNT,
-                                   .own_ids = points.own_ids,
-                                   .weight_1 = weight_1,
-                                   .weight_2 = weight_2,
-                                   .rounding = 0x1p-24};
-    shb_lists_query(lists, &asked, points.visibility);
-    CHECK_INT(list_samples_false_shadow(&points), 0);
-    CHECK_INT(list_samples_false_light(&points), 0);
-    list_samples_free(&points);
-    shb_reference_destroy(reference);
-    shb_lists_destroy(lists);
-    shb_context_destroy(context);
-    soup_free(&s);
-}
-
 TEST(what_the_light_does_not_see_is_lit) {
     soup s = {0};
     const float corners[3][3] = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};

@@ -34,6 +34,8 @@
 
 #include "k_planes.inl"
 
+#include "k_points.inl"
+
 #include "k_nearest.inl"
 
 #include "k_walks.inl"
@@ -72,6 +74,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .store = store_texels,
     .hard = hard,
     .planes = ask_planes,
+    .place = place_on_triangles,
     .nearest = ask_nearest,
     .beside = ask_beside,
     .walk = walk_on,
