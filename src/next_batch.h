@@ -4,6 +4,8 @@
 #ifndef SRC_NEXT_BATCH_H
 #define SRC_NEXT_BATCH_H
 
+#include "shadowbias/bias.h"
+
 #include <stddef.h>
 
 typedef struct shb_next_batch {
@@ -29,6 +31,11 @@ static inline void shb_prefetch_next(const shb_next_batch *next, size_t first) {
     if (next->normals)
         shb_prefetch_elements(next->normals, next->normal_stride, first);
     __builtin_prefetch(next->visibility + first, 1);
+}
+
+static inline void shb_prefetch_whole(const shb_next_batch *next) {
+    for (size_t i = 0; i < SHB_BATCH; i += SHB_LINE_FLOATS)
+        shb_prefetch_next(next, i);
 }
 
 #endif

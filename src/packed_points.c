@@ -49,9 +49,10 @@ void shb_packed_points_end(shb_packed_points *packed) {
     const shb_filter hard = shb_filter_hard();
     if (packed->waiting == 0)
         return;
+    const shb_asked_batch batch = {.count = packed->waiting};
     fill_lanes(packed);
-    shb_visibility_in_full(packed->map, packed->bias, &hard, packed->waiting, false, NULL, NULL,
-                           &packed->receivers, visibility);
+    shb_visibility_in_full(packed->map, packed->bias, &hard, &batch, &packed->receivers,
+                           visibility);
     for (size_t i = 0; i < packed->waiting; i++)
         packed->visibility[packed->numbers[i]] = visibility[i];
     packed->waiting = 0;

@@ -141,9 +141,9 @@ static void ask_light(const shading *job, size_t k, size_t count, workspace *wor
     const shb_fragments *fragments = &work->batch.fragments;
     const shb_own_triangles own = {fragments->id, fragments->weight_1, fragments->weight_2};
     const bool lifted = job->desc->smooth_terminator;
-    shb_visibility_batch(light->map, light->bias, &job->filters[k], count, lifted,
-                         lifted ? NULL : &own, &points, NULL, &work->tests[k], &work->receivers,
-                         visibility);
+    const shb_asked_batch batch = {count, lifted, lifted ? NULL : &own, NULL};
+    shb_visibility_batch(light->map, light->bias, &job->filters[k], &batch, &points,
+                         &work->tests[k], &work->receivers, visibility);
     for (size_t i = count; i % SHB_LANES; i++)
         visibility[i] = visibility[count - 1];
     job->kernels->lighting(&job->lights[k], (uint32_t)k, count, &work->batch.fragments,

@@ -15,20 +15,27 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
 shb_result shb_points_check(const shb_context *context, const char *caller,
                             const shb_points *points);
 
+bool shb_visibility_needs_normals(const shb_map *map, const shb_bias *bias,
+                                  const shb_filter *filter);
+
+typedef struct shb_asked_batch {
+    size_t count;
+    bool lifted;                  /* the positions were moved off their surface */
+    const shb_own_triangles *own; /* of the batch, or NULL */
+    const shb_next_batch *next;   /* what is asked for meanwhile, or NULL */
+} shb_asked_batch;
+
 /* One batch that passed the check. points: arrays of positions and, if the method needs them,
  * normals of either side, up to the count rounded up to whole vectors. receivers: room to work in,
- * which may hold these arrays. lifted: the positions were moved off their surface. own: of the
- * batch, or NULL. test: of the batch before, by the same map and method, or not known. next: what
- * is asked for meanwhile, or NULL. */
+ * which may hold these arrays. test: of the batch before, by the same map and method, or not known.
+ */
 void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
-                          size_t count, bool lifted, const shb_own_triangles *own,
-                          const shb_quick_points *points, const shb_next_batch *next,
+                          const shb_asked_batch *batch, const shb_quick_points *points,
                           shb_quick_test *test, shb_receivers *receivers, float *visibility);
 
 /* The same without the quick test, of points that the receivers hold. */
 void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
-                            size_t count, bool lifted, const shb_own_triangles *own,
-                            const shb_next_batch *next, shb_receivers *receivers,
+                            const shb_asked_batch *batch, shb_receivers *receivers,
                             float *visibility);
 
 #endif

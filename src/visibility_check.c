@@ -1,0 +1,100 @@
+#include "map.h"
+#include "prepare.h"
+#include "visibility.h"
+
+#include <string.h>
+
+bool shb_visibility_needs_normals(const shb_map *map, const shb_bias *bias,
+                                  const shb_filter *filter) {
+    const bool by_planes =
+        bias->needs & SHB_NEEDS_OCCLUDERS && map->info.occluders != SHB_OCCLUDERS_LISTS;
+    const uint32_t needs = bias->needs | (filter ? filter->needs : 0);
+    return by_planes || needs & (SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE);
+}
+
+static const char *name_or_unnamed(const char *name) {
+    return name ? name : "unnamed";
+}
+
+static const char *name_of(const shb_bias *bias) {
+    return name_or_unnamed(bias->name);
+}
+
+/* True if the map's depths are those that the method works on. */
+static bool map_serves(const shb_map *map, const shb_bias *bias) {
+    if (map->empty)
+        return true;
+    const bool flipped = (bias->needs & SHB_NEEDS_FLIPPED) != 0;
+    if (map->combine != bias->combine || map->flipped != flipped)
+        return false;
+    return !bias->combine || (map->combine_user == bias->user &&
+                              memcmp(map->combine_params, bias->params, sizeof bias->params) == 0);
+}
+
+static shb_result check_occluders(const shb_map *map, const char *caller, const shb_bias *bias,
+                                  const shb_filter *filter) {
+    if (!map->info.occluders && !map->empty)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" needs a map that was created with desc.occluders",
+                        caller, name_of(bias));
+    if (!map->empty && !map->occluders.held)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" needs occluders and the map was drawn for another",
+                        caller, name_of(bias));
+    if (filter && !filter->exact)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" asks occluders, which the filter \"%s\" cannot",
+                        caller, name_of(bias), name_or_unnamed(filter->name));
+    if (filter && filter->needs & SHB_NEEDS_SAMPLES && map->info.occluders == SHB_OCCLUDERS_LISTS)
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the filter \"%s\" asks the occluder of each texel, and "
+                        "desc.occluders of the map are lists",
+                        caller, name_or_unnamed(filter->name));
+    return SHB_OK;
+}
+
+static shb_result check_filter(const shb_map *map, const char *caller, const shb_filter *filter) {
+    const uint32_t known = SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE |
+                           SHB_NEEDS_PREPARED | SHB_NEEDS_SAMPLES;
+    if (!filter->filter)
+        return shb_fail(map->context, SHB_ERROR_ARGUMENT, "%s: filter.filter is NULL", caller);
+    if (filter->needs & ~known)
+        return shb_fail(map->context, SHB_ERROR_ARGUMENT, "%s: filter.needs 0x%x has unknown bits",
+                        caller, (unsigned)filter->needs);
+    if (filter->needs & SHB_NEEDS_PREPARED && !shb_prepared_find(map, filter))
+        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the filter \"%s\" needs shb_map_prepare after the map was drawn",
+                        caller, name_or_unnamed(filter->name));
+    return SHB_OK;
+}
+
+shb_result shb_visibility_check(const shb_map *map, const char *caller, const shb_bias *bias,
+                                const shb_filter *filter, bool has_normals) {
+    const shb_context *context = map->context;
+    const uint32_t known = SHB_NEEDS_NORMAL | SHB_NEEDS_SCALE | SHB_NEEDS_SLOPE |
+                           SHB_NEEDS_FLIPPED | SHB_NEEDS_OCCLUDERS;
+    if (!bias)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: bias is NULL", caller);
+    if (bias->needs & ~known)
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: bias.needs 0x%x has unknown bits", caller,
+                        (unsigned)bias->needs);
+    const shb_result result = filter ? check_filter(map, caller, filter) : SHB_OK;
+    if (result != SHB_OK)
+        return result;
+    if (shb_visibility_needs_normals(map, bias, filter) && !has_normals)
+        return shb_fail(context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" or the filter needs normals and points.normals is "
+                        "NULL",
+                        caller, name_of(bias));
+    if (map->exact_only && !(bias->needs & SHB_NEEDS_OCCLUDERS))
+        return shb_fail(context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" needs depths, and the map was created with "
+                        "desc.exact_only",
+                        caller, name_of(bias));
+    if (!map_serves(map, bias))
+        return shb_fail(context, SHB_ERROR_UNSUPPORTED,
+                        "%s: the method \"%s\" needs a map that was drawn for it with the same "
+                        "parameters",
+                        caller, name_of(bias));
+    return bias->needs & SHB_NEEDS_OCCLUDERS ? check_occluders(map, caller, bias, filter) : SHB_OK;
+}
