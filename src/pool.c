@@ -23,7 +23,7 @@
  */
 enum { SPINS = 256 };
 
-/* Twice what shading needs (shade.h). */
+/* More than shading needs (shade.h). */
 #define STACK_SIZE ((size_t)1 << 20)
 
 struct shb_pool {

@@ -100,12 +100,12 @@ typedef struct shb_points {
 } shb_points;
 
 /* Visibility of the light from count points: 0 shadowed .. 1 lit. filter NULL: hard. Allocates
- * nothing; may be called from any number of threads at once. SHB_ERROR_UNSUPPORTED if method or
- * filter needs normals that are missing or a map that was drawn or prepared for it, or if they do
- * not go together; SHB_ERROR_ARGUMENT for NULL pointers, bad alignments and strides, weights
- * without ids or one without the other, and ids that the map's scene does not have if the exact
- * method may read them (SHB_ID_NONE, unknown, is allowed where there are no weights);
- * SHB_ERROR_SIZE if count times a stride overflows. */
+ * nothing, but needs up to 250 KB of stack; may be called from any number of threads at once.
+ * SHB_ERROR_UNSUPPORTED if method or filter needs normals that are missing or a map that was drawn
+ * or prepared for it, or if they do not go together; SHB_ERROR_ARGUMENT for NULL pointers, bad
+ * alignments and strides, weights without ids or one without the other, and ids that the map's
+ * scene does not have if the exact method may read them (SHB_ID_NONE, unknown, is allowed where
+ * there are no weights); SHB_ERROR_SIZE if count times a stride overflows. */
 shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,
                               const shb_filter *filter, float *visibility);
 
