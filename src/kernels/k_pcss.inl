@@ -564,7 +564,7 @@ static size_t search_batch(const shb_pcss *pcss, size_t count, mutual_batch *mut
         }
         vi_store(found->open + i, open.lanes);
     }
-    return keep_on_own(mutual, texels, fragments, listed);
+    return listed > 0 ? keep_on_own(mutual, texels, fragments, listed) : 0;
 }
 
 /* Of fragments whose search found blockers. */
