@@ -11,6 +11,10 @@ static bool has_planes_alone(const shb_map *map) {
     return map->info.occluders == SHB_OCCLUDERS_PLANES;
 }
 
+bool shb_exact_is_hard(const shb_bias *bias, const shb_filter *filter) {
+    return bias->needs & SHB_NEEDS_OCCLUDERS && (!filter || filter->exact == shb_exact_visibility);
+}
+
 bool shb_exact_asks_triangles_alone(const shb_map *map) {
     return map->info.occluders == SHB_OCCLUDERS_TRIANGLES && !map->classifies &&
            map->occluders.held;

@@ -41,6 +41,9 @@ static inline bool shb_exact_is_shadowed(const shb_exact_fragment *fragment,
 /* The function exact of the filter hard. */
 void shb_exact_visibility(const shb_filter_args *args);
 
+/* True: the method asks occluders and the filter, or hard for NULL, is shb_exact_visibility. */
+bool shb_exact_is_hard(const shb_bias *bias, const shb_filter *filter);
+
 /* True: shb_exact_visibility is the kernel for planes, for points that no method has lifted. */
 bool shb_exact_asks_planes_alone(const shb_map *map);
 

@@ -91,10 +91,6 @@ static shb_result check_points(const shb_map *map, const shb_points *points,
     return shb_points_check(map->context, "shb_map_visibility", points);
 }
 
-static bool is_exact(const shb_bias *bias, const shb_filter *filter) {
-    return bias->needs & SHB_NEEDS_OCCLUDERS && (!filter || filter->exact == shb_exact_visibility);
-}
-
 /* Loads a batch as the exact method asks about it, and asks for the memory of the next one. */
 static void load_exact(const shb_map *map, const shb_points *points, size_t first,
                        float *visibility, shb_exact_points *exact) {
@@ -194,7 +190,7 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
         result = shb_own_triangles_check(map, "shb_map_visibility", points);
     if (result != SHB_OK)
         return result;
-    const bool exact = points->count && is_exact(bias, filter);
+    const bool exact = points->count && shb_exact_is_hard(bias, filter);
     if (exact && shb_exact_asks_triangles_alone(map))
         ask_triangles(map, points, visibility);
     else if (exact && !points->own.ids && shb_exact_asks_unsure_lists(map))

@@ -7,12 +7,6 @@
 #include "triples.h"
 #include "visibility.h"
 
-static bool are_asked_by_planes(const shb_map *map, const shb_bias *bias,
-                                const shb_filter *filter) {
-    return bias->needs & SHB_NEEDS_OCCLUDERS && shb_exact_asks_planes_alone(map) &&
-           (!filter || filter->exact == shb_exact_visibility);
-}
-
 static bool are_asked_quickly(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                               shb_quick_bias *quick) {
     return map->context->shade_kernels->quick && (!filter || filter->filter == shb_hard_test) &&
@@ -28,7 +22,7 @@ bool shb_packed_points_init(shb_packed_points *packed, const shb_map *map, const
     packed->visibility = visibility;
     packed->test.known = false;
     packed->waiting = 0;
-    packed->by_planes = are_asked_by_planes(map, bias, filter);
+    packed->by_planes = shb_exact_is_hard(bias, filter) && shb_exact_asks_planes_alone(map);
     packed->quick.plane = true;
     return (packed->by_planes || are_asked_quickly(map, bias, filter, &packed->quick)) &&
            shb_triple_stride(points->position_stride) == gapless &&
