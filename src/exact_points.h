@@ -12,6 +12,9 @@
 /* Of the sizes of a triangle's corners: what a host may have rounded away from a position. */
 #define SHB_POSITION_SLACK 0x1p-18
 
+/* And whatever their sizes: floats near 0 are this far apart. */
+#define SHB_POSITION_STEP 0x1p-149
+
 /* The scene that a map was drawn from. Vectors may read one double behind the vertices. */
 typedef struct shb_drawn_mesh {
     size_t triangle_count;

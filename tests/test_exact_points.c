@@ -115,3 +115,20 @@ TEST(named_points_are_told_from_others_by_any_coordinate_of_any_point) {
                 free_batch(b);
             }
 }
+
+/* Three steps of a float wide: rounding moves the points by more than 2^-18 of that. */
+TEST(named_points_are_known_where_floats_have_no_finer_steps) {
+    for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa))
+        for (int k = 0; k < 3; k++) {
+            named_batch *b = new_batch(21, 300);
+            for (int i = 0; i < VERTICES; i++)
+                b->vertices[i][k] *= 0x3p-149;
+            test_random random = {301};
+            for (size_t i = 0; i < SHB_BATCH; i++)
+                add_point(b, &random, i);
+            CHECK(place(b, isa));
+            *position_of(b, k, 20) += 0x1p-147f;
+            CHECK(!place(b, isa));
+            free_batch(b);
+        }
+}

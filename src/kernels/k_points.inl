@@ -22,7 +22,8 @@ static inline ALWAYS_INLINE triangle_lanes read_triangles(const shb_drawn_mesh *
         t.corner[k] = a[k];
         t.way_1[k] = b[k] - a[k];
         t.way_2[k] = c[k] - a[k];
-        t.slack[k] = wd_splat(SHB_POSITION_SLACK) * (wd_abs(a[k]) + wd_abs(b[k]) + wd_abs(c[k]));
+        t.slack[k] = SHB_POSITION_SLACK * (wd_abs(a[k]) + wd_abs(b[k]) + wd_abs(c[k])) +
+                     SHB_POSITION_STEP;
     }
     return t;
 }
