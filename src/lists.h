@@ -22,11 +22,6 @@
 #include "shadowbias/scene.h"
 #include "sheets.h"
 
-typedef struct shb_list_tile {
-    size_t first_cell, first_entry;
-    int cell_bits; /* cells are squares of 2^cell_bits texels; negative: no triangle is near */
-} shb_list_tile;
-
 typedef struct shb_lists {
     shb_context *context;
     shb_list_frame frame;
@@ -73,13 +68,6 @@ typedef struct shb_list_points {
 /* Visibility of the light: 0 shadowed, 1 lit. A triangle blocks if it lies in front of a point by
  * more than the rounding of the point and of this arithmetic. Any thread, any number at a time. */
 void shb_lists_query(const shb_lists *lists, const shb_list_points *points, float *visibility);
-
-/* The number of the cell that holds a texel of a tile; column and row count from the tile's first
- * one. */
-static inline size_t shb_list_cell_of(const shb_list_tile *tile, uint32_t column, uint32_t row) {
-    const size_t x = column >> tile->cell_bits, y = row >> tile->cell_bits;
-    return tile->first_cell + y * (SHB_LIST_TILE >> tile->cell_bits) + x;
-}
 
 /* What a map with desc.classifies answers certainly from. */
 const shb_sheets *shb_map_sheets(const shb_map *map);

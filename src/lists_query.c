@@ -25,7 +25,7 @@ typedef struct inquiry {
     const shb_lists *lists;
     double rounding;
     shb_list_group g;
-    int32_t changes[GROUP + SHB_LIST_LANES]; /* first points of texels */
+    int32_t changes[GROUP + SHB_LIST_LANES]; /* first points of cells */
     size_t span_count;
     shb_list_span spans[GROUP + 1]; /* and one for the end */
     size_t run_count;
@@ -101,25 +101,22 @@ static bool blocks_in_doubt(const inquiry *q, const shb_list_triangle *t, size_t
     return blocks_ray(q, (uint32_t)(t - q->lists->triangles), (uint32_t)number);
 }
 
-/* The cell that holds a texel, and its tile's entries. */
-static shb_list_span span_of(const shb_lists *lists, int32_t texel) {
-    const shb_list_span none = {NO_CELL, lists->entries, 0};
-    if (texel < 0)
-        return none;
-    const uint32_t column = (uint32_t)texel & 0xffff, row = (uint32_t)texel >> 16;
+/* The cell that holds a point, and its tile's entries. */
+static shb_list_span span_of(const shb_lists *lists, const shb_list_group *g, size_t number) {
+    const int32_t cell = g->cell[number];
+    if (cell < 0)
+        return (shb_list_span){NO_CELL, lists->entries, number};
+    const uint32_t column = (uint32_t)g->texel[number] & 0xffff;
+    const uint32_t row = (uint32_t)g->texel[number] >> 16;
     const shb_list_tile *tile =
         &lists->tiles[(size_t)(row / SHB_LIST_TILE) * lists->tile_columns + column / SHB_LIST_TILE];
-    if (tile->cell_bits < 0)
-        return none;
-    return (shb_list_span){
-        &lists->cells[shb_list_cell_of(tile, column % SHB_LIST_TILE, row % SHB_LIST_TILE)],
-        lists->entries + tile->first_entry, 0};
+    return (shb_list_span){lists->cells + cell, lists->entries + tile->first_entry, number};
 }
 
 /* A point outside the scene is rounded too much for the weights: all triangles are in doubt. */
 static bool is_blocked_outside(const inquiry *q, size_t number) {
     const shb_list_group *g = &q->g;
-    const shb_list_span span = span_of(q->lists, g->texel[number]);
+    const shb_list_span span = span_of(q->lists, g, number);
     const uint32_t own_id = own_id_of(q, number);
     for (uint32_t i = span.cell[0].start; i < span.cell[1].start; i++) {
         const uint32_t id = span.entries[i].triangle;
@@ -154,18 +151,11 @@ static void load(inquiry *q, const shb_list_points *points, size_t first) {
     }
 }
 
-/* Texels that follow each other in one cell are one span. Where one begins cannot be foreseen, so
- * nothing is branched on. */
-static void find_spans(inquiry *q, size_t changes) {
-    const shb_list_cell *last = NULL;
-    size_t count = 0;
-    for (size_t i = 0; i < changes; i++) {
-        shb_list_span span = span_of(q->lists, q->g.texel[q->changes[i]]);
-        span.first = (size_t)q->changes[i];
-        q->spans[count] = span;
-        count += span.cell != last;
-        last = span.cell;
-        __builtin_prefetch(span.cell);
+/* A span for each change of the cell. */
+static void find_spans(inquiry *q, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        q->spans[i] = span_of(q->lists, &q->g, (size_t)q->changes[i]);
+        __builtin_prefetch(q->spans[i].cell);
     }
     q->spans[count].first = q->g.count;
     q->span_count = count;
@@ -206,7 +196,8 @@ static void ask_group(inquiry *q, float *visibility) {
     const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
     for (size_t i = 0; i < q->g.count; i++)
         visibility[i] = 1;
-    find_spans(q, kernels->locate(&lists->frame, &q->g, q->changes));
+    const shb_list_grid grid = {lists->tiles, lists->tile_columns};
+    find_spans(q, kernels->locate(&lists->frame, &grid, &q->g, q->changes));
     q->run_count = kernels->start(&q->g, q->spans, q->span_count, q->runs, visibility);
     for (; q->run_count; keep_open_runs(q)) {
         const size_t asked = kernels->take(q->runs, q->run_count, q->questions);

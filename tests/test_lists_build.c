@@ -31,8 +31,10 @@ static cell_view cell_at(const shb_lists *lists, uint32_t column, uint32_t row) 
         &lists->tiles[row / SHB_LIST_TILE * lists->tile_columns + column / SHB_LIST_TILE];
     if (tile->cell_bits < 0)
         return (cell_view){.far = HUGE_VALF};
+    const uint32_t x = column % SHB_LIST_TILE >> tile->cell_bits;
+    const uint32_t y = row % SHB_LIST_TILE >> tile->cell_bits;
     const shb_list_cell *cell =
-        &lists->cells[shb_list_cell_of(tile, column % SHB_LIST_TILE, row % SHB_LIST_TILE)];
+        &lists->cells[tile->first_cell + (y << (SHB_LIST_TILE_BITS - tile->cell_bits)) + x];
     return (cell_view){lists->entries + tile->first_entry + cell[0].start,
                        cell[1].start - cell[0].start, cell[0].far};
 }

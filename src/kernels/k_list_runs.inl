@@ -29,15 +29,45 @@ static void place_points(const shb_list_frame *frame, shb_list_group *restrict g
     g->has_outside = outside;
 }
 
-static size_t locate_points(const shb_list_frame *frame, shb_list_group *restrict g,
+/* The cells of texels that lie in this tile. */
+static inline vi cells_in_tile(const shb_list_tile *tile, vi texel) {
+    const int bits = tile->cell_bits;
+    if (bits < 0)
+        return vi_splat(-1);
+    const vi column = (texel & (SHB_LIST_TILE - 1)) >> bits;
+    const vi row = (texel >> 16 & (SHB_LIST_TILE - 1)) >> bits;
+    return (row << (SHB_LIST_TILE_BITS - bits)) + column + (int32_t)tile->first_cell;
+}
+
+/* Neighbours seldom lie in more than two tiles. */
+static void find_point_cells(const shb_list_grid *grid, shb_list_group *restrict g) {
+    for (size_t i = 0; i < g->count; i += WIDE) {
+        const vi texel = vi_load(g->texel + i);
+        const vi tile_row = texel >> (16 + SHB_LIST_TILE_BITS);
+        const vi tile_column = texel >> SHB_LIST_TILE_BITS & (0xffff >> SHB_LIST_TILE_BITS);
+        const vi tile = (vi)(vu_times_short((vu)tile_row, grid->columns) + (vu)tile_column);
+        vi cell = vi_splat(-1);
+        for (uint32_t left = vi_bits(texel >= 0); left;) {
+            const int32_t number = tile[__builtin_ctz(left)];
+            const vi is_there = tile == number;
+            cell = (cells_in_tile(&grid->tiles[number], texel) & is_there) | (cell & ~is_there);
+            left &= ~vi_bits(is_there);
+        }
+        vi_store(g->cell + i, cell);
+    }
+}
+
+static size_t locate_points(const shb_list_frame *frame, const shb_list_grid *grid,
+                            shb_list_group *restrict g,
                             int32_t changes[SHB_LIST_POINTS + LIST_LANES]) {
     size_t count = 1;
     place_points(frame, g);
+    find_point_cells(grid, g);
     changes[0] = 0;
     for (size_t i = 1; i < g->count; i += WIDE) {
         const size_t left = g->count - i;
         const uint32_t lanes = left < WIDE ? (1u << left) - 1 : ~0u;
-        const vi differs = vi_load(g->texel + i) != vi_load(g->texel + i - 1);
+        const vi differs = vi_load(g->cell + i) != vi_load(g->cell + i - 1);
         const uint32_t bits = vi_bits(differs) & lanes;
         vi_append(changes, count, vi_numbers() + (int32_t)i, bits);
         count += (size_t)__builtin_popcount(bits);

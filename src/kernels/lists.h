@@ -80,6 +80,18 @@ typedef struct shb_list_sheets {
     float behind[SHB_LIST_CELLS_MAX];    /* where those begin that were made before */
 } shb_list_sheets;
 
+/* A tile of a map. */
+typedef struct shb_list_tile {
+    size_t first_cell, first_entry;
+    int cell_bits; /* cells are squares of 2^cell_bits texels; negative: no triangle is near */
+} shb_list_tile;
+
+/* Tiles row by row. */
+typedef struct shb_list_grid {
+    const shb_list_tile *tiles;
+    uint32_t columns;
+} shb_list_grid;
+
 /* A cell of a tile. */
 typedef struct shb_list_cell {
     uint32_t start; /* of its entries, among the tile's; the next cell's is their end */
@@ -140,7 +152,8 @@ typedef struct shb_list_group {
     float about_x[SHB_LIST_POINTS + SHB_LIST_LANES];
     float about_y[SHB_LIST_POINTS + SHB_LIST_LANES];
     float about_depth[SHB_LIST_POINTS + SHB_LIST_LANES];
-    int32_t texel[SHB_LIST_POINTS + SHB_LIST_LANES]; /* row * 2^16 + column; -1: not in the view */
+    int32_t texel[SHB_LIST_POINTS];                 /* row * 2^16 + column; -1: not in the view */
+    int32_t cell[SHB_LIST_POINTS + SHB_LIST_LANES]; /* -1: none, nothing is near */
     bool has_own; /* it is known on which triangles the points lie */
     uint32_t own[SHB_LIST_POINTS + SHB_LIST_LANES]; /* these, and what vectors may read */
 } shb_list_group;
@@ -189,9 +202,9 @@ typedef struct shb_list_kernels {
      * there is no room for all the entries. */
     bool (*cover)(shb_list_cover *cover);
 
-    /* Finds where the light sees the points. Writes the numbers of those that do not lie in the
-     * same texel as the one before; returns how many. */
-    size_t (*locate)(const shb_list_frame *frame, shb_list_group *group,
+    /* Finds where the light sees the points, and their cells. Writes the numbers of those that do
+     * not lie in the same cell as the one before; returns how many. */
+    size_t (*locate)(const shb_list_frame *frame, const shb_list_grid *grid, shb_list_group *group,
                      int32_t changes[SHB_LIST_POINTS + SHB_LIST_LANES]);
 
     /* Makes runs of spans, behind which is one more for their end, and fetches their entries.
