@@ -72,3 +72,38 @@ TEST(no_exact_point_of_many_differs_from_the_rays) {
     shb_context_destroy(context);
     soup_free(&s);
 }
+
+/* So far away that rounding moves points across edges by more than weights in float would tell. */
+TEST(lists_answer_as_rays_for_points_far_outside_the_scene) {
+    soup s = {0};
+    test_random random = {7};
+    for (int i = 0; i < 200; i++)
+        soup_add_random(&s, &random, 0.03);
+    const shb_scene *scene = soup_scene(&s);
+    shb_context *context = lists_context(1);
+    shb_reference *reference = NULL;
+    CHECK_INT(shb_reference_create(context, scene, &reference), SHB_OK);
+    const shb_view view = lists_view(&lists_slanted, (shb_box){{-2, -2, -2}, {2, 2, 2}}, 64, false);
+    shb_lists *lists = lists_of(context, &view, 64, scene);
+    shb_light_source light;
+    CHECK_INT(shb_view_light_source(&view, &light), SHB_OK);
+    list_samples samples = list_samples_create(scene, 3000, 8);
+    for (size_t i = 0; i < samples.count; i++) {
+        shb_vec3 *p = &samples.points[i];
+        *p = shb_vec3_subtract(*p, shb_vec3_scale(light.position, 0x1p44));
+        samples.x[i] = p->x;
+        samples.y[i] = p->y;
+        samples.z[i] = p->z;
+        samples.own_ids[i] = SHB_ID_NONE;
+    }
+    list_samples_find_truth(reference, &view, &samples);
+    CHECK(list_samples_occluded(&samples) > 2000 && list_samples_occluded(&samples) < 2990);
+    list_samples_ask(lists, &samples, false, 0);
+    CHECK_INT(list_samples_false_shadow(&samples), 0);
+    CHECK_INT(list_samples_false_light(&samples), 0);
+    list_samples_free(&samples);
+    shb_lists_destroy(lists);
+    shb_reference_destroy(reference);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
