@@ -32,9 +32,10 @@
 /* Up to this many texels in all layers one thread draws straight through: they stay in a cache. So
  * do threads for as large a target where there is a triangle for every few texels, and one thread
  * for any target where there is one for every few texels of each layer. But not a few large
- * triangles one over the other: they would go through the whole map each. Threads that draw
- * clusters, which need not be sorted into tiles one triangle after the other, merge no larger
- * layers than pay for clusters that lie in two tiles. */
+ * triangles one over the other: they would go through the whole map each. Clusters need not be
+ * sorted into tiles one triangle after the other: one thread draws them in tiles where there are
+ * ids, or many triangles in two layers, as more of these stays in a cache then. Threads merge no
+ * larger layers than pay for clusters that lie in two tiles. */
 #define WHOLE_TEXELS (2048u * 2048u)
 #define WHOLE_TEXELS_OF_CLUSTERS (1024u * 1024u)
 #define WHOLE_TEXELS_PER_TRIANGLE 4
@@ -126,9 +127,12 @@ static bool suits_whole(const shb_context *context, const shb_draw_desc *desc,
     const uint64_t triangles = geometry->triangle_count;
     const uint32_t texels = desc->width * desc->height;
     const uint32_t layers = 1u + (desc->ids != NULL) + (desc->second.texels != NULL);
-    if (context->threads == 1)
-        return texels <= WHOLE_TEXELS / layers ||
-               triangles >= layers * (texels / WHOLE_TEXELS_PER_TRIANGLE_ALONE);
+    if (context->threads == 1) {
+        const bool small = texels <= WHOLE_TEXELS / layers;
+        const bool dense = triangles >= layers * (texels / WHOLE_TEXELS_PER_TRIANGLE_ALONE);
+        return geometry->vertex_count ? small || dense
+                                      : !desc->ids && (small || (dense && layers == 1));
+    }
     const uint32_t most = geometry->vertex_count ? WHOLE_TEXELS : WHOLE_TEXELS_OF_CLUSTERS;
     return texels <= most && triangles >= texels / WHOLE_TEXELS_PER_TRIANGLE;
 }
