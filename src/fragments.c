@@ -185,12 +185,12 @@ static const uint32_t *row_of_ids(const shb_frame *frame, uint32_t row) {
     return (const uint32_t *)(const void *)((const char *)frame->ids + row * id_stride(frame));
 }
 
-/* Puts the ids below a span in reach, which are asked for next but lie far away in memory. */
-static void prefetch_next(const shb_frame *frame, const shb_piece *span) {
-    enum { LINE = 64 / sizeof(uint32_t) };
-    if (span->row + 1 == frame->height)
+/* Puts ids some rows below a span in reach, which are asked for soon but lie far away in memory. */
+static void prefetch_below(const shb_frame *frame, const shb_piece *span) {
+    enum { LINE = 64 / sizeof(uint32_t), ROWS = 8 };
+    if (span->row + ROWS >= frame->height)
         return;
-    const uint32_t *ids = row_of_ids(frame, span->row + 1) + span->column;
+    const uint32_t *ids = row_of_ids(frame, span->row + ROWS) + span->column;
     for (uint32_t i = 0; i < span->count; i += LINE)
         __builtin_prefetch(ids + i);
 }
@@ -198,7 +198,7 @@ static void prefetch_next(const shb_frame *frame, const shb_piece *span) {
 void shb_fragments_take(shb_fragment_reader *reader, const shb_piece *span,
                         shb_fragment_batch *batch) {
     const shb_frame *frame = reader->frame;
-    prefetch_next(frame, span);
+    prefetch_below(frame, span);
     if (batch->count == 0 && reader->table.count + SHB_BATCH > SHB_TABLE)
         clear_table(&reader->table);
     reader->kernels->take(row_of_ids(frame, span->row) + span->column, span, &reader->table, batch);
