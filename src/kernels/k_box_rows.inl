@@ -1,5 +1,4 @@
-/* Boxes by planes whose rows have at most ROW_BITS texels: which taps are shadowed, less what lies
- * on the fragments' sheets. Included once for each number. */
+/* Boxes by planes whose rows have at most ROW_BITS texels. Included once for each number. */
 
 #include "k_box_sheet.inl"
 
@@ -17,53 +16,68 @@ typedef struct R(box_bits) {
 typedef struct R(open_boxes) {
     int n;
     size_t count;
+    size_t known; /* of the first ones taps are shadowed but for sheets; of the others in front */
     uint16_t fragments[BOXES];
     own_texel own[BOXES];
-    R(box_bits) shadowed[BOXES];
+    R(box_bits) taps[BOXES];
 } R(open_boxes);
 
-/* Shadowed taps of WIDE columns from start on; lane: of fragment i among those of ways. */
-static inline ALWAYS_INLINE void R(find_shadowed_from)(const box_batch *batch, size_t i,
-                                                       const texel_box *b, const row_ways *ways,
-                                                       size_t lane, int n, int start, bool reversed,
-                                                       R(box_bits) * shadowed) {
+/* Taps of WIDE columns from start on that are what is asked for: a new set of those IN_FRONT, or
+ * what PASSING alone leaves of a set. lane: of fragment i among those of ways. */
+static inline ALWAYS_INLINE void R(find_taps_from)(const box_batch *batch, size_t i,
+                                                   const texel_box *b, const row_ways *ways,
+                                                   size_t lane, int n, int start, bool reversed,
+                                                   int asked, R(box_bits) * taps) {
     const shb_receivers *r = batch->receivers;
     const mutual_lanes own = mutual_lanes_of_one(batch->mutual, i);
     const vf far_depth = vf_splat(shb_far_depth(reversed));
     const vf m = vf_load(columns_from_end + BOX_PITCH - n + start) + (float)(n + b->column);
     const vf plane = r->ref[i] + m * r->step_x[i];
     const mutual_way x = mutual_way_of(own.moved_x, r->to_center_x[i] + m, length_unit(batch->map));
+    const uint64_t others = ~((((uint64_t)1 << WIDE) - 1) << start);
     const char *texels = b->texels + (size_t)start * sizeof(float);
     const char *occluders = b->occluders + (size_t)start * sizeof(uint32_t);
     for (int k = 0; k < n; k++) {
         const vf depth = vf_load((const float *)(const void *)texels);
         const vf stored = reversed ? -depth : depth;
-        const vf tap = vf_min(far_depth, plane + ways->drop[k][lane]);
-        const mutual_way y = {vf_splat(ways->rising[k][lane]), vf_splat(ways->falling[k][lane])};
-        vu slopes;
-        memcpy(&slopes, occluders, sizeof slopes);
-        const R(row) bits = (R(row))vi_bits(
-            (stored < tap) & passes_in_front(own.z, own.base, &x, &y, stored, slopes));
-        shadowed->rows[k] = (R(row))(start ? shadowed->rows[k] | bits << start : bits);
+        vi found = vi_splat(-1);
+        if (asked & IN_FRONT)
+            found = stored < vf_min(far_depth, plane + ways->drop[k][lane]);
+        if (asked & PASSING) {
+            const mutual_way y = {vf_splat(ways->rising[k][lane]),
+                                  vf_splat(ways->falling[k][lane])};
+            vu slopes;
+            memcpy(&slopes, occluders, sizeof slopes);
+            found &= passes_in_front(own.z, own.base, &x, &y, stored, slopes);
+        }
+        const uint64_t bits = (uint64_t)vi_bits(found) << start;
+        if (!(asked & IN_FRONT))
+            taps->rows[k] &= (R(row))(bits | others);
+        else
+            taps->rows[k] = (R(row))(start ? taps->rows[k] | bits : bits);
         texels += b->stride;
         occluders += b->occluder_stride;
     }
 }
 
-/* Adds a box; lane: of fragment i among those of ways. */
-static inline ALWAYS_INLINE void R(find_shadowed)(const box_batch *batch, size_t i,
-                                                  const texel_box *b, const row_ways *ways,
-                                                  size_t lane, bool reversed,
-                                                  R(open_boxes) * open) {
+static inline ALWAYS_INLINE void R(find_taps)(const box_batch *batch, size_t i, const texel_box *b,
+                                              const row_ways *ways, size_t lane, int n,
+                                              bool reversed, int asked, R(box_bits) * taps) {
+    if (ROW_BITS == 16 && asked & IN_FRONT)
+        memset(taps, 0, sizeof *taps);
+    R(find_taps_from)(batch, i, b, ways, lane, n, 0, reversed, asked, taps);
+    for (int start = WIDE; start < n; start += WIDE)
+        R(find_taps_from)(batch, i, b, ways, lane, n, start, reversed, asked, taps);
+}
+
+/* Adds a box. */
+static inline ALWAYS_INLINE void R(open_box)(const box_batch *batch, size_t i, const texel_box *b,
+                                             const row_ways *ways, size_t lane, bool reversed,
+                                             int asked, R(open_boxes) * open) {
     const size_t at = open->count++;
-    R(box_bits) *shadowed = &open->shadowed[at];
-    if (ROW_BITS == 16)
-        memset(shadowed, 0, sizeof *shadowed);
-    R(find_shadowed_from)(batch, i, b, ways, lane, open->n, 0, reversed, shadowed);
-    for (int start = WIDE; start < open->n; start += WIDE)
-        R(find_shadowed_from)(batch, i, b, ways, lane, open->n, start, reversed, shadowed);
     open->fragments[at] = (uint16_t)i;
     open->own[at] = own_texel_of(b, reversed);
+    R(find_taps)(batch, i, b, ways, lane, open->n, reversed, asked, &open->taps[at]);
 }
 
 /* Of rows first .. end - 1. */
@@ -113,8 +127,8 @@ static inline ALWAYS_INLINE float R(lit_part)(const box_batch *batch, size_t i,
     return weight_share(((1 - bottom) * above + bottom * below) + inner, n);
 }
 
-/* Of a list of boxes, those in whose shadows the fragment's own texel has no part: it may stand on
- * a sheet that lights them. */
+/* Of the boxes that have taps those where the fragment's own texel is none: it may stand on a sheet
+ * that lights them. */
 static inline ALWAYS_INLINE size_t R(list_on_sheets)(const box_batch *batch,
                                                      const R(open_boxes) * open, uint16_t *boxes) {
     size_t found = 0;
@@ -123,13 +137,12 @@ static inline ALWAYS_INLINE size_t R(list_on_sheets)(const box_batch *batch,
         const int32_t x = batch->receivers->texel_x[i] - batch->left[i];
         const int32_t y = batch->receivers->texel_y[i] - batch->top[i];
         boxes[found] = (uint16_t)k;
-        found +=
-            R(has_bits)(&open->shadowed[k], open->n) & (size_t) ~(open->shadowed[k].rows[y] >> x);
+        found += R(has_bits)(&open->taps[k], open->n) & (size_t) ~(open->taps[k].rows[y] >> x);
     }
     return keep_standing(batch->mutual, open->fragments, open->own, boxes, found);
 }
 
-static inline ALWAYS_INLINE void R(light_sheets)(const box_batch *batch, R(open_boxes) * open) {
+static NEVER_INLINE void R(leave_sheets)(const box_batch *batch, R(open_boxes) * open) {
     uint16_t boxes[BOXES + 1];
     R(sheet_rows) sheets;
     const size_t found = R(list_on_sheets)(batch, open, boxes);
@@ -144,45 +157,88 @@ static inline ALWAYS_INLINE void R(light_sheets)(const box_batch *batch, R(open_
         }
         R(follow_sheets)(&sheets, count, open->n);
         for (size_t lane = 0; lane < count; lane++) {
-            R(box_bits) *shadowed = &open->shadowed[boxes[first + lane]];
+            R(box_bits) *taps = &open->taps[boxes[first + lane]];
             for (int k = 0; k < open->n; k++)
-                shadowed->rows[k] &= (R(row)) ~sheets.rows[1 + k].sheet[lane];
+                taps->rows[k] &= (R(row)) ~sheets.rows[1 + k].sheet[lane];
         }
     }
 }
 
+/* Of boxes in place whose taps are not known. */
+static NEVER_INLINE void R(leave_passing)(const box_batch *batch, bool reversed,
+                                          R(open_boxes) * open) {
+    uint16_t boxes[BOXES + 1], fragments[BOXES + LIST_MARGIN];
+    row_ways ways;
+    size_t found = 0;
+    for (size_t k = open->known; k < open->count; k++) {
+        boxes[found] = (uint16_t)k;
+        fragments[found] = open->fragments[k];
+        found += R(has_bits)(&open->taps[k], open->n);
+    }
+    if (found == 0)
+        return;
+    fill_list(fragments, found);
+    for (size_t k = 0; k < found; k++) {
+        const texel_box b = exact_box_in_place(batch, fragments[k]);
+        if (k % WIDE == 0)
+            find_row_ways(batch, fragments + k, open->n, PASSING, &ways);
+        prefetch_slopes(batch, fragments[k + BOXES_AHEAD], open->n);
+        R(find_taps)
+        (batch, fragments[k], &b, &ways, k % WIDE, open->n, reversed, PASSING,
+         &open->taps[boxes[k]]);
+    }
+}
+
+/* The taps that are left are shadowed. */
 static NEVER_INLINE void R(finish_boxes)(const box_batch *batch, bool smooth, R(open_boxes) * open,
                                          float *visibility) {
     const int n = open->n;
-    R(light_sheets)(batch, open);
     for (size_t k = 0; smooth && k < open->count; k++) {
         const size_t i = open->fragments[k];
-        visibility[i] = R(lit_part)(batch, i, &open->shadowed[k], n);
+        visibility[i] = R(lit_part)(batch, i, &open->taps[k], n);
     }
     for (size_t k = 0; !smooth && k < open->count; k++)
-        visibility[open->fragments[k]] = box_share(n, R(count_all)(&open->shadowed[k], n));
+        visibility[open->fragments[k]] = box_share(n, R(count_all)(&open->taps[k], n));
     open->count = 0;
 }
 
-/* Boxes of n x n texels in place, those of count fragments and more to fill the vectors. */
-static inline ALWAYS_INLINE void R(ask_listed)(const box_batch *batch, bool smooth,
-                                               const uint16_t *fragments, size_t count, int n,
-                                               bool reversed, float *visibility) {
+/* Boxes in place, those of count fragments and more to fill the vectors. */
+static inline ALWAYS_INLINE void R(open_in_place)(const box_batch *batch, const uint16_t *fragments,
+                                                  size_t count, bool reversed, int asked,
+                                                  R(open_boxes) * open) {
     row_ways ways;
-    R(open_boxes) open;
-    open.n = n;
-    open.count = 0;
     for (size_t k = 0; k < count; k++) {
         const size_t i = fragments[k];
         const texel_box b = exact_box_in_place(batch, i);
         if (k % WIDE == 0)
-            find_row_ways(batch, fragments + k, n, &ways);
-        prefetch_slopes(batch, fragments[k + BOXES_AHEAD], n);
-        R(find_shadowed)(batch, i, &b, &ways, k % WIDE, reversed, &open);
-        if (open.count == BOXES)
-            R(finish_boxes)(batch, smooth, &open, visibility);
+            find_row_ways(batch, fragments + k, open->n, asked, &ways);
+        if (asked & PASSING)
+            prefetch_slopes(batch, fragments[k + BOXES_AHEAD], open->n);
+        else
+            prefetch_own_slopes(batch, fragments[k + BOXES_AHEAD]);
+        R(open_box)(batch, i, &b, &ways, k % WIDE, reversed, asked, open);
     }
-    R(finish_boxes)(batch, smooth, &open, visibility);
+}
+
+/* Those of n x n texels; puts the fragments in another order. */
+static inline ALWAYS_INLINE void R(ask_listed)(const box_batch *batch, bool smooth,
+                                               uint16_t *fragments, size_t count, int n,
+                                               bool reversed, float *visibility) {
+    R(open_boxes) open;
+    open.n = n;
+    open.count = 0;
+    for (size_t first = 0; first < count; first += BOXES) {
+        uint16_t *some = fragments + first;
+        const size_t left = count - first, some_count = left < BOXES ? left : BOXES;
+        open.known =
+            n > SLOPES_FIRST ? put_hidden_first(batch, some, some_count, reversed) : some_count;
+        R(open_in_place)(batch, some, open.known, reversed, IN_FRONT | PASSING, &open);
+        R(open_in_place)
+        (batch, some + open.known, some_count - open.known, reversed, IN_FRONT, &open);
+        R(leave_sheets)(batch, &open);
+        R(leave_passing)(batch, reversed, &open);
+        R(finish_boxes)(batch, smooth, &open, visibility);
+    }
 }
 
 /* Those of such rows that are not in place: in map formats that are not float, and where the map
@@ -192,6 +248,7 @@ static NEVER_INLINE void R(ask_copies)(box_batch *batch, bool smooth, size_t cou
     R(open_boxes) open;
     open.n = 0;
     open.count = 0;
+    open.known = BOXES;
     for (size_t i = 0; i < count; i++) {
         const int n = batch->size[i];
         texel_box b;
@@ -201,16 +258,19 @@ static NEVER_INLINE void R(ask_copies)(box_batch *batch, bool smooth, size_t cou
             visibility[i] = 1;
             continue;
         }
-        if (open.count == BOXES || open.n != n)
+        if (open.count == BOXES || open.n != n) {
+            R(leave_sheets)(batch, &open);
             R(finish_boxes)(batch, smooth, &open, visibility);
+        }
         uint16_t fragments[WIDE];
         row_ways ways;
         for (int lane = 0; lane < WIDE; lane++)
             fragments[lane] = (uint16_t)i;
         open.n = n;
-        find_row_ways(batch, fragments, n, &ways);
-        R(find_shadowed)(batch, i, &b, &ways, 0, batch->reversed, &open);
+        find_row_ways(batch, fragments, n, IN_FRONT | PASSING, &ways);
+        R(open_box)(batch, i, &b, &ways, 0, batch->reversed, IN_FRONT | PASSING, &open);
     }
+    R(leave_sheets)(batch, &open);
     R(finish_boxes)(batch, smooth, &open, visibility);
 }
 

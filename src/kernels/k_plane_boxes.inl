@@ -1,7 +1,13 @@
-/* Boxes of texels by the exact method, where a map keeps planes: both conditions of a tap for whole
- * vectors of columns without a branch, which the hits of single rows would often mislead. */
+/* Boxes of texels by the exact method, where a map keeps planes. A tap is shadowed if its texel
+ * lies in front of the fragment's plane, and that of the texel passes in front of the fragment, and
+ * the texel is not on the fragment's sheet. All for whole vectors of columns without a branch,
+ * which the hits of single rows would often mislead. */
 
 #include "k_joints.inl"
+
+/* What a tap has to be to be shadowed: before the fragment's plane, and of a plane that passes in
+ * front of the fragment. */
+enum { IN_FRONT = 1, PASSING = 2 };
 
 /* How the rows of boxes of WIDE fragments lie to them, counted from the first row. */
 typedef struct row_ways {
@@ -10,7 +16,7 @@ typedef struct row_ways {
 } row_ways;
 
 static inline ALWAYS_INLINE void find_row_ways(const box_batch *batch, const uint16_t *fragments,
-                                               int n, row_ways *ways) {
+                                               int n, int asked, row_ways *ways) {
     const shb_receivers *r = batch->receivers;
     const float unit = length_unit(batch->map);
     float first[WIDE], to_center[WIDE], step[WIDE], moved[WIDE];
@@ -24,9 +30,12 @@ static inline ALWAYS_INLINE void find_row_ways(const box_batch *batch, const uin
     for (int k = 0; k < n; k++) {
         const vf row = vf_load(first) + (float)k;
         const mutual_way way = mutual_way_of(vf_load(moved), vf_load(to_center) + row, unit);
-        vf_store(ways->drop[k], row * vf_load(step));
-        vf_store(ways->rising[k], way.rising);
-        vf_store(ways->falling[k], way.falling);
+        if (asked & IN_FRONT)
+            vf_store(ways->drop[k], row * vf_load(step));
+        if (asked & PASSING) {
+            vf_store(ways->rising[k], way.rising);
+            vf_store(ways->falling[k], way.falling);
+        }
     }
 }
 
@@ -37,13 +46,26 @@ static inline ALWAYS_INLINE texel_box exact_box_in_place(const box_batch *batch,
     return b;
 }
 
-/* The slopes of so many boxes are on their way from memory. */
+/* What so many boxes need of slopes is on its way from memory. */
 #define BOXES_AHEAD 8
+
+/* Room behind lists of fragments, for whole vectors and what is asked for ahead. */
+#define LIST_MARGIN (SHB_LANES + BOXES_AHEAD)
+
+static inline ALWAYS_INLINE void fill_list(uint16_t *fragments, size_t count) {
+    for (size_t k = 0; k < LIST_MARGIN; k++)
+        fragments[count + k] = fragments[count - 1];
+}
 
 static inline ALWAYS_INLINE void prefetch_slopes(const box_batch *batch, size_t i, int n) {
     const texel_box b = exact_box_in_place(batch, i);
     for (int row = 0; row < n; row++)
         __builtin_prefetch(b.occluders + (size_t)row * b.occluder_stride);
+}
+
+static inline ALWAYS_INLINE void prefetch_own_slopes(const box_batch *batch, size_t i) {
+    const shb_receivers *r = batch->receivers;
+    __builtin_prefetch(shb_occluder_row(batch->map, r->texel_y[i]) + r->texel_x[i]);
 }
 
 /* What the map holds at a fragment. */
@@ -126,6 +148,33 @@ static size_t keep_standing(const mutual_batch *mutual, const uint16_t *fragment
     return kept;
 }
 
+/* Boxes with more texels in a row are followed over sheets before slopes are asked: most of what
+ * lies in front is on the sheet. Smaller ones are asked in less time than they are followed. */
+#define SLOPES_FIRST 8
+
+/* Puts boxes in place first whose own texels lie before the fragments' planes: there most of what
+ * lies in front shadows, and where these are many so it does in others. Returns for how many slopes
+ * are to be asked before sheets. Not more than SHB_BATCH. */
+static size_t put_hidden_first(const box_batch *batch, uint16_t *fragments, size_t count,
+                               bool reversed) {
+    const shb_receivers *r = batch->receivers;
+    const char *texels = batch->map->depth.texels;
+    const size_t stride = batch->map->depth.stride;
+    uint16_t others[SHB_BATCH];
+    size_t hidden = 0, left = 0;
+    for (size_t k = 0; k < count; k++) {
+        const uint16_t i = fragments[k];
+        const float *row = (const float *)(const void *)(texels + (size_t)r->texel_y[i] * stride);
+        const float depth = row[r->texel_x[i]];
+        const bool is_hidden = (reversed ? -depth : depth) < r->ref[i];
+        fragments[hidden] = others[left] = i;
+        hidden += is_hidden;
+        left += !is_hidden;
+    }
+    memcpy(fragments + hidden, others, left * sizeof *others);
+    return 3 * hidden > count ? count : hidden;
+}
+
 /* Bits of the rows that hold boxes of n texels in a row. */
 static inline ALWAYS_INLINE int row_bits_of(int n) {
     return n <= 16 ? 16 : n <= 32 ? 32 : 64;
@@ -156,6 +205,12 @@ static size_t list_open_boxes(const box_batch *batch, size_t count, const float 
 static size_t list_of_size(const box_batch *batch, int n, uint16_t *open, size_t *open_count,
                            uint16_t *fragments) {
     size_t found = 0, left = 0;
+    if (batch->same_size) {
+        memcpy(fragments, open, *open_count * sizeof *open);
+        found = *open_count;
+        *open_count = 0;
+        return found;
+    }
     for (size_t k = 0; k < *open_count; k++) {
         const uint16_t i = open[k];
         fragments[found] = open[left] = i;
@@ -167,7 +222,7 @@ static size_t list_of_size(const box_batch *batch, int n, uint16_t *open, size_t
 }
 
 /* Fragments and more to fill the vectors. */
-static NEVER_INLINE void ask_listed(const box_batch *batch, bool smooth, const uint16_t *fragments,
+static NEVER_INLINE void ask_listed(const box_batch *batch, bool smooth, uint16_t *fragments,
                                     size_t count, int n, bool reversed, float *visibility) {
     if (n <= 16 && reversed)
         ask_listed16(batch, smooth, fragments, count, n, true, visibility);
@@ -180,13 +235,12 @@ static NEVER_INLINE void ask_listed(const box_batch *batch, bool smooth, const u
 }
 
 static void ask_open_boxes(const box_batch *batch, bool smooth, size_t count, float *visibility) {
-    uint16_t open[SHB_BATCH + 1], fragments[SHB_BATCH + SHB_LANES + BOXES_AHEAD];
+    uint16_t open[SHB_BATCH + 1], fragments[SHB_BATCH + LIST_MARGIN];
     size_t left = list_open_boxes(batch, count, visibility, open);
     while (left) {
         const int n = batch->size[open[0]];
         const size_t found = list_of_size(batch, n, open, &left, fragments);
-        for (size_t k = 0; k < SHB_LANES + BOXES_AHEAD; k++)
-            fragments[found + k] = fragments[found - 1];
+        fill_list(fragments, found);
         ask_listed(batch, smooth, fragments, found, n, batch->reversed, visibility);
     }
 }
