@@ -9,6 +9,7 @@
 #include "kernels/shade.h"
 #include "marks.h"
 #include "scratch.h"
+#include "tile_store.h"
 
 #include <stdatomic.h>
 
@@ -252,68 +253,17 @@ static size_t draw_clusters(const tile_job *job, size_t row, const shb_layers *l
     return drawn;
 }
 
-static size_t cells_of(int32_t first, int32_t last) {
-    return (size_t)(last - first) / SHB_CELL + 1;
-}
-
-/* No cell of a tile that is to be copied is drawn in yet. */
-static void begin_marks(const tile_job *job, const shb_layers *layers) {
-    const shb_samples *all = &layers->samples;
-    const size_t rows = cells_of(all->first_row, all->last_row);
-    const size_t columns = cells_of(all->first_column, all->last_column);
-    uint8_t *marks = layers->marks;
-    for (size_t row = 0; marks && row < rows; row++, marks += shb_marks_stride(job->desc->width))
-        for (size_t i = 0; i < columns; i++)
-            marks[i] = marks[i] == SHB_MARK_CLEAR ? SHB_MARK_CLEAR : SHB_MARK_LEFT;
-}
-
-/* Stores count cells of which the first one has this place in the layers. */
-static void store_cells(const tile_job *job, const shb_layers *layers, size_t column, size_t row,
-                        size_t count) {
-    const shb_samples *all = &layers->samples;
-    const int32_t left = all->first_column + (int32_t)column * SHB_CELL;
-    const int32_t top = all->first_row + (int32_t)row * SHB_CELL;
-    const int32_t width = (int32_t)count * SHB_CELL;
-    const size_t at = row * SHB_CELL * layers->pitch + column * SHB_CELL;
-    shb_layers part = *layers;
-    part.samples =
-        shb_samples_intersect((shb_samples){left, top, left + width - 1, top + SHB_CELL - 1}, *all);
-    part.nearest += at;
-    part.second = layers->second ? layers->second + at : NULL;
-    part.ids = layers->ids ? layers->ids + at : NULL;
-    shb_layers_store(&part, job->desc, job->target, job->store);
-}
-
-/* Stores what is not clear in the images and in the layers. */
-static void store_layers(const tile_job *job, const shb_layers *layers) {
-    const shb_samples *all = &layers->samples;
-    const size_t rows = cells_of(all->first_row, all->last_row);
-    const size_t columns = cells_of(all->first_column, all->last_column);
-    uint8_t *marks = layers->marks;
-    if (!marks) {
-        shb_layers_store(layers, job->desc, job->target, job->store);
-        return;
-    }
-    for (size_t row = 0; row < rows; row++, marks += shb_marks_stride(job->desc->width))
-        for (size_t i = 0, end; i < columns; i = end + 1) {
-            for (end = i; end < columns && marks[end] != SHB_MARK_CLEAR; end++)
-                marks[end] = marks[end] == SHB_MARK_LEFT ? SHB_MARK_CLEAR : SHB_MARK_DRAWN;
-            if (end > i)
-                store_cells(job, layers, i, row, end - i);
-        }
-}
-
 static void draw_tile(tile_job *job, size_t lane, size_t number) {
     const shb_layers layers = layers_of(job, lane, tile_samples(job, number));
     const shb_tile tile = shb_layers_tile(&layers, job->desc, job->target, job->counts);
     if (layers.copied)
-        begin_marks(job, &layers);
+        shb_tile_begin_marks(&layers, job->desc->width);
     draw_binned(job, number, &tile);
     const size_t drawn = draw_clusters(job, number / job->bins.columns, &layers, &tile);
     atomic_fetch_add(&job->drawn, drawn);
     job->kernels->clear(&tile);
     draw_coded(job, &layers);
-    store_layers(job, &layers);
+    shb_tile_store(&layers, job->desc, job->target, job->store);
 }
 
 /* A lane owns its layers and takes one row of tiles after the other until none is left. Threads
@@ -392,7 +342,7 @@ static bool draw_whole(shb_context *context, tile_job *job) {
                               &job->bins.drawn))
         return false;
     draw_coded(job, &layers);
-    store_layers(job, &layers);
+    shb_tile_store(&layers, job->desc, job->target, job->store);
     return true;
 }
 
