@@ -46,21 +46,20 @@ static inline ALWAYS_INLINE void unpack_points(const shb_quick_points *points, s
 }
 
 /* Fragments behind the light come to lie outside of the map. */
-static inline ALWAYS_INLINE void place_doubles(const shb_map *map, bool affine,
+static inline ALWAYS_INLINE void place_doubles(const shb_light_rows *rows, bool affine,
                                                const shb_quick_points *points, size_t first,
                                                plane_batch *batch) {
-    const shb_light_rows rows = map->rows;
     const double limit = -(double)SHB_TEXEL_NONE;
     const wd zero = wd_splat(0.0), none = wd_splat((double)SHB_TEXEL_NONE);
     for (size_t i = first; i < first + WIDE; i += DOUBLES) {
         const wd px = wd_load_floats(points->position[0] + i);
         const wd py = wd_load_floats(points->position[1] + i);
         const wd pz = wd_load_floats(points->position[2] + i);
-        wd x = row_at(rows.x, px, py, pz);
-        wd y = row_at(rows.y, px, py, pz);
-        wd z = row_at(rows.z, px, py, pz);
+        wd x = row_at(rows->x, px, py, pz);
+        wd y = row_at(rows->y, px, py, pz);
+        wd z = row_at(rows->z, px, py, pz);
         if (!affine) {
-            const wd w = row_at(rows.w, px, py, pz);
+            const wd w = row_at(rows->w, px, py, pz);
             const wd inverse_w = 1.0 / w;
             x = wd_where_greater(w, zero, x * inverse_w, none);
             y *= inverse_w;
@@ -82,10 +81,11 @@ static inline ALWAYS_INLINE void place_doubles(const shb_map *map, bool affine,
 static inline ALWAYS_INLINE void place_as(const shb_map *map, bool affine, size_t lanes,
                                           const shb_quick_points *points, plane_batch *batch) {
     const shb_quick_points arrays = arrays_of(points, batch);
+    const shb_light_rows rows = map->rows;
     for (size_t i = 0; i < lanes; i += WIDE) {
         if (points->packed)
             unpack_points(points, i, batch);
-        place_doubles(map, affine, &arrays, i, batch);
+        place_doubles(&rows, affine, &arrays, i, batch);
     }
 }
 
@@ -105,7 +105,9 @@ static inline ALWAYS_INLINE void prefetch_depths(const shb_map *map, plane_batch
     prefetch_texels(map->depth.texels, places, i, batch);
 }
 
-/* R: infinite or no numbers come to be small ones. */
+/* R: infinite or no numbers come to be small ones. What is taken away holds what underflows, and
+ * keeps a sum of 0 from becoming a subnormal number, which takes processors long. It is nothing
+ * beside E. */
 static inline ALWAYS_INLINE vf surely_moved(const shb_quick_planes *q, bool affine,
                                             const shb_quick_points *points,
                                             const plane_batch *batch, size_t i, vf size_x,
@@ -113,7 +115,7 @@ static inline ALWAYS_INLINE vf surely_moved(const shb_quick_planes *q, bool affi
     vf p[3];
     read_points(points->position, false, i, p);
     const vf sum = (size_x * vf_abs(p[0]) + size_y * vf_abs(p[1])) + size_z * vf_abs(p[2]);
-    vf moved = (vf_min(sum, vf_splat(0x1p40f)) - 0x1p-140f) * q->moved;
+    vf moved = vf_min(sum, vf_splat(0x1p40f)) * q->moved - 0x1p-110f;
     if (!affine) {
         const vf inverse_w = vf_min(vf_load(batch->inverse_w + i), vf_splat(0x1p28f));
         moved = (moved * inverse_w) * inverse_w;
@@ -172,14 +174,15 @@ static NEVER_INLINE void place_fragments(const shb_map *map, bool gathers, size_
 }
 
 /* Of fragments that are open. */
-static inline ALWAYS_INLINE void prefetch_open(const shb_map *map, vi open, size_t i,
-                                               plane_batch *batch) {
+static inline ALWAYS_INLINE void prefetch_open(const shb_map *map, plane_batch *batch, size_t i) {
+    const vi open = vi_load(batch->open + i);
     const vi row = vi_load(batch->row + i), column = vi_load(batch->column + i);
     const vu places = (vu)row * (uint32_t)(map->occluders.stride / 4) + (vu)column;
     prefetch_texels(map->occluders.texels, (vu)open & places, i, batch);
 }
 
-/* Lists the vectors of fragments that are not all lit, and asks for their texels' slopes. */
+/* Lists the vectors of fragments that are not all lit, without a branch that nobody could foresee,
+ * and asks for their texels' slopes. */
 static inline ALWAYS_INLINE size_t find_open(const shb_map *map, bool gathers, size_t lanes,
                                              plane_batch *batch, uint16_t *vectors) {
     const float depth_error = map->occluders.quick.depth_error / NU_SCALE;
@@ -195,12 +198,11 @@ static inline ALWAYS_INLINE size_t find_open(const shb_map *map, bool gathers, s
         const vi open = (vi)(vf_load(batch->stored + i) < far_depth) & ~(vi)(ahead + error < 0);
         vf_store(batch->ahead + i, ahead);
         vi_store(batch->open + i, open);
-        if (!vi_any(open))
-            continue;
-        if (gathers)
-            prefetch_open(map, open, i, batch);
-        vectors[count++] = (uint16_t)i;
+        vectors[count] = (uint16_t)i;
+        count += vi_any(open);
     }
+    for (size_t n = 0; gathers && n < count; n++)
+        prefetch_open(map, batch, vectors[n]);
     return count;
 }
 
