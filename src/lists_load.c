@@ -103,18 +103,25 @@ void shb_list_load_vertices(const shb_list_loading *loading) {
     shb_list_frame_fit(&loading->lists->frame, runs, loading->extents);
 }
 
+/* All that is known of a triangle is its box. */
+static shb_list_outline outline_of_box(const shb_list_box *box) {
+    const float left = (float)box->first_column + 0.5f, right = (float)box->last_column + 0.5f;
+    const float top = (float)box->first_row + 0.5f, bottom = (float)box->last_row + 0.5f;
+    return (shb_list_outline){.x = {left, right, right}, .y = {top, bottom, bottom}};
+}
+
 /* One that is not finite has no box; the plane of others is found by itself. */
 static void prepare_alone(const shb_lists *lists, const shb_list_vertex *vertices, uint32_t id,
                           shb_list_box *box, shb_list_outline *outline) {
     const uint32_t *corners = lists->corners[id];
     *box = SHB_LIST_BOX_NONE;
-    if (outline)
-        *outline = (shb_list_outline){.is_known = 0};
     for (int k = 0; k < 3; k++)
         if (isnan(vertices[corners[k]].inverse_w))
             return;
     const shb_triangle triangle = shb_lists_triangle(lists, id);
     shb_list_triangle_cut(&lists->frame, triangle.corners, &lists->triangles[id], box);
+    if (outline)
+        *outline = outline_of_box(box);
 }
 
 /* Prepares count triangles from id on whose corners are written. */

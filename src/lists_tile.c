@@ -47,7 +47,7 @@ size_t shb_list_tiles_divide(shb_lists *lists, const shb_list_bins *bins) {
         tiles[i] = (shb_list_tile){.first_cell = cells, .cell_bits = -1};
         if (count == 0)
             continue;
-        tiles[i].cell_bits = lists->sheets.bounds ? 0 : cell_bits_for(count);
+        tiles[i].cell_bits = lists->sheets.bounds ? SHB_LIST_BLOCK_BITS : cell_bits_for(count);
         cells += cells_of(tiles[i].cell_bits) + 1;
     }
     return cells;
@@ -68,14 +68,13 @@ static void write_bounds(const shb_lists *lists, const shb_list_tile *tile,
     const shb_sheets *sheets = &lists->sheets;
     const uint32_t columns = sheets->width - cover->column, rows = sheets->height - cover->row;
     const uint32_t count = columns < SHB_LIST_TILE ? columns : SHB_LIST_TILE;
-    const int bits = tile->cell_bits > 0 ? tile->cell_bits : 0;
     for (uint32_t row = 0; row < rows && row < SHB_LIST_TILE; row++) {
         float *bounds = sheets->bounds + (cover->row + row) * sheets->stride + cover->column;
-        const float *from = cover->bounds + (row >> bits) * (SHB_LIST_TILE >> bits);
-        if (tile->cell_bits == 0)
-            memcpy(bounds, from, count * sizeof *bounds);
-        for (uint32_t column = 0; tile->cell_bits != 0 && column < count; column++)
-            bounds[column] = tile->cell_bits < 0 ? HUGE_VALF : from[column >> bits];
+        if (tile->cell_bits >= 0)
+            memcpy(bounds, cover->bounds + row * SHB_LIST_TILE, count * sizeof *bounds);
+        else
+            for (uint32_t column = 0; column < count; column++)
+                bounds[column] = HUGE_VALF;
     }
 }
 

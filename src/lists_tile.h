@@ -4,8 +4,8 @@
 
 #include "lists_bin.h"
 
-/* Divides the tiles into cells: the more triangles, the more, and into single texels where sheets
- * are wanted. Returns the number of all cells. */
+/* Divides the tiles into cells: the more triangles, the more, and into blocks where sheets are
+ * wanted. Returns the number of all cells. */
 size_t shb_list_tiles_divide(shb_lists *lists, const shb_list_bins *bins);
 
 /* Fills the tiles' cells and entries. *entries receives how many there are: all of them are written

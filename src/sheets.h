@@ -20,7 +20,7 @@
  * split, of the scene or not, has the front between itself and the light: it is shadowed.
  *
  * Maps with lists find their sheets while they put triangles into cells, in another way
- * (kernels/k_list_cover.inl); of others sheets.c does.
+ * (kernels/k_list_sheet.inl); of others sheets.c does.
  *
  * A texel that is not whole keeps the depth at which the nearest of all triangles that cover it
  * altogether ends: what lies behind is shadowed.

@@ -1,28 +1,7 @@
-/* The loops of putting a tile's triangles into its cells.
- *
- * Sheets. Triangles go into a cell front to back, and those that went into it so far are its sheet.
- * Of these a cell keeps a sum of 64 bits: every triangle adds the name of each of its edges that
- * may meet the cell, with the sign of the side on which it lies, and a number of its own kind if it
- * covers the cell's sample. So two triangles on either side of an edge take each other's share
- * away, and a sum that is that of one sample says, but for names that happen to add up, once in
- * 2^64: where a way from the sample to any other ray of the cell passes an edge, as many triangles
- * begin there as end, and the sheet covers all of the cell exactly once. That is (b) and (c) of
- * sheets.h, without knowing which triangles are neighbours. (Edges are told apart by the places of
- * their vertices in the world, so a mesh need not share them; one that is only nearly met stays
- * open.)
- *
- * What lies behind such a sheet is hidden, so all of the cell is in shadow behind its end, which
- * cuts the lists of closed meshes by half. Whatever begins before that went into the cell, too: it
- * did, or it began behind an end that was no nearer. If the sum is still that of one sample when
- * all triangles are in, and they all end before it, they are the front of sheets.h and the cell is
- * whole. A triangle that ends before all of a closed sheet begins a new one, behind which that
- * lies.
- *
- * All of it holds for cells that are larger by the frame's rim. A sample that an edge passes too
- * closely, and triangles whose outline is not known, leave a number that nothing takes away. */
+/* The loops of putting a tile's triangles into its cells. */
 
-/* Where triangles are counted, in a cell's size from its corner: where no edge passes by because a
- * mesh and the map are aligned. */
+/* Where a texel's triangles are counted, from its corner: where no edge passes by because a mesh
+ * and the map are aligned. */
 #define LIST_SAMPLE_X 0x1.1p-1f
 #define LIST_SAMPLE_Y 0x1.bp-2f
 
@@ -33,19 +12,20 @@ typedef struct list_cells {
 
 /* Triangles that are put into cells one after the other, as linear functions over the tile, from
  * its corner: the weights at the best corner of a cell, which are negative where the triangle
- * misses the cell for sure; what they gain for each cell that a window is larger, what their worst
- * corner has less, and what the cell's sample has; the boxes of edges, by the corners of cells that
- * meet them; and depths at which the triangle begins and ends in a cell. */
+ * misses the cell for sure; what they gain for each cell that a window is larger, and what their
+ * worst corner has less; and depths at which the triangle begins and ends in a cell. */
 typedef struct list_batch {
     SHB_ALIGN float x[3][LIST_LANES];
     float y[3][LIST_LANES], best[3][LIST_LANES], more[3][LIST_LANES], worst[3][LIST_LANES];
     float slope_x[LIST_LANES], slope_y[LIST_LANES], begin[LIST_LANES], end[LIST_LANES];
     float nearest[LIST_LANES];
-    /* for sheets */
-    float sample[3][LIST_LANES], sure[LIST_LANES]; /* sure: the least weights at a sample that is
-                                                      covered for sure */
-    float middle_x[3][LIST_LANES], middle_y[3][LIST_LANES];
-    float reach_x[3][LIST_LANES], reach_y[3][LIST_LANES];
+    /* The same of texels, for sheets: the weights at their best corner, and below what an edge's
+     * line may pass them; what their sample has more, and where that is surely covered. */
+    float met[3][LIST_LANES], passed[3][LIST_LANES], sample[3][LIST_LANES], sure[LIST_LANES];
+    float texel_begin[LIST_LANES], texel_end[LIST_LANES];
+    /* numbers of texels, from 1 on: a byte for the box of each edge, the uppermost for all */
+    int32_t first_column[LIST_LANES], last_column[LIST_LANES];
+    int32_t first_row[LIST_LANES], last_row[LIST_LANES];
     int32_t edges[3][2][LIST_LANES], covers[2][LIST_LANES]; /* what they add to the sums */
     int count;
     uint32_t numbers[LIST_LANES];
@@ -62,8 +42,8 @@ static inline vf positive(vf v) {
 }
 
 /* The weights of WIDE triangles from lane i on. */
-static inline void put_weights(const shb_list_cover *cover, float rim, const float *records, int i,
-                               list_batch *b) {
+static inline void put_weights(const shb_list_cover *cover, bool with_sheets, float rim,
+                               const float *records, int i, list_batch *b) {
     const float column = (float)cover->column, row = (float)cover->row;
     const float size = (float)(1 << cover->cell_bits);
     vf u[4], v[4], rest[4]; /* the first word of v comes with u */
@@ -82,14 +62,19 @@ static inline void put_weights(const shb_list_cover *cover, float rim, const flo
         vf_store(b->best[k] + i, one + (size * across + rim * sizes));
         vf_store(b->more[k] + i, size * across);
         vf_store(b->worst[k] + i, -(size + 2 * rim) * sizes - 4 * margin);
-        vf_store(b->sample[k] + i,
-                 size * ((LIST_SAMPLE_X * x[k] + LIST_SAMPLE_Y * y[k]) - across) - rim * sizes);
+        if (with_sheets) {
+            vf_store(b->met[k] + i, one + (across + rim * sizes));
+            vf_store(b->passed[k] + i, (1 + 2 * rim) * sizes + 4 * margin);
+            vf_store(b->sample[k] + i,
+                     ((LIST_SAMPLE_X * x[k] + LIST_SAMPLE_Y * y[k]) - across) - rim * sizes);
+        }
     }
     vf_store(b->sure + i, 4 * margin);
 }
 
 /* Depths of all lanes. */
-static inline void put_cell_depths(const shb_list_cover *cover, float rim, list_batch *b) {
+static inline void put_cell_depths(const shb_list_cover *cover, bool with_sheets, float rim,
+                                   list_batch *b) {
     const float size = (float)(1 << cover->cell_bits);
     SHB_ALIGN float z[LIST_LANES], clear[LIST_LANES];
     for (int i = 0; i < LIST_LANES; i++) {
@@ -106,16 +91,36 @@ static inline void put_cell_depths(const shb_list_cover *cover, float rim, list_
             (0x1p-20f * (vf_abs(at) + SHB_LIST_TILE * steep) + rim * steep) + vf_load(clear + i);
         vf_store(b->begin + i, (at + size * (vf_min(x, none) + vf_min(y, none))) - rounding);
         vf_store(b->end + i, (at + size * (vf_max(x, none) + vf_max(y, none))) + rounding);
+        if (with_sheets) {
+            vf_store(b->texel_begin + i, (at + (vf_min(x, none) + vf_min(y, none))) - rounding);
+            vf_store(b->texel_end + i, (at + (vf_max(x, none) + vf_max(y, none))) + rounding);
+        }
     }
+}
+
+/* The texels that the boxes of edges reach, of columns or rows. */
+static inline void put_reach(const vf middle[3], const vf reach[3], int32_t *first, int32_t *last) {
+    const vf none = vf_splat(0), all = vf_splat(SHB_LIST_TILE + 1);
+    vf lo = all, hi = none;
+    vi firsts = {0}, lasts = {0};
+    for (int k = 0; k < 4; k++) {
+        const vf from = k < 3 ? vf_min(vf_max((middle[k] - reach[k]) + 1.5f, none), all) : lo;
+        const vf to = k < 3 ? vf_min(vf_max((middle[k] + reach[k]) + 0.5f, none), all) : hi;
+        firsts |= __builtin_convertvector(from, vi) << 8 * k;
+        lasts |= __builtin_convertvector(to, vi) << 8 * k;
+        lo = vf_min(lo, from);
+        hi = vf_max(hi, to);
+    }
+    vi_store(first, firsts);
+    vi_store(last, lasts);
 }
 
 /* What WIDE triangles from lane i on add to sheets, and where. */
 static inline void put_outlines_of(const shb_list_cover *cover, const float *records, int i,
                                    list_batch *b) {
     const float column = (float)cover->column, row = (float)cover->row;
-    const float size = (float)(1 << cover->cell_bits);
-    const float around = 0.5f * size + (float)cover->frame->rim + 0x1p-21f * (column + row);
-    vf places[8], edges[8];
+    const float around = 0.5f + (float)cover->frame->rim + 0x1p-21f * (column + row);
+    vf places[8], edges[8], middle_x[3], middle_y[3], reach_x[3], reach_y[3];
     read_words(records, i, 0, places);
     read_words(records, i, 4, places + 4);
     read_words(records, i, 6, edges);
@@ -125,17 +130,16 @@ static inline void put_outlines_of(const shb_list_cover *cover, const float *rec
         const vf x_0 = places[(k + 1) % 3] - column, x_1 = places[(k + 2) % 3] - column;
         const vf y_0 = places[3 + (k + 1) % 3] - row, y_1 = places[3 + (k + 2) % 3] - row;
         const vf width = vf_abs(x_1 - x_0), height = vf_abs(y_1 - y_0);
-        const vf middle_x = 0.5f * (x_0 + x_1), middle_y = 0.5f * (y_0 + y_1);
-        vf_store(b->middle_x[k] + i, middle_x - 0.5f * size);
-        vf_store(b->middle_y[k] + i, middle_y - 0.5f * size);
-        vf_store(b->reach_x[k] + i,
-                 (0.5f * width + around) + 0x1p-20f * (width + vf_abs(middle_x)));
-        vf_store(b->reach_y[k] + i,
-                 (0.5f * height + around) + 0x1p-20f * (height + vf_abs(middle_y)));
+        middle_x[k] = 0.5f * (x_0 + x_1);
+        middle_y[k] = 0.5f * (y_0 + y_1);
+        reach_x[k] = (0.5f * width + around) + 0x1p-20f * (width + vf_abs(middle_x[k]));
+        reach_y[k] = (0.5f * height + around) + 0x1p-20f * (height + vf_abs(middle_y[k]));
         vi_store(b->edges[k][0] + i, (vi)edges[2 * k] & known);
         vi_store(b->edges[k][1] + i, (vi)edges[2 * k + 1] & known);
         vf_store(b->sample[k] + i, vf_where(known, vf_load(b->sample[k] + i), vf_splat(HUGE_VALF)));
     }
+    put_reach(middle_x, reach_x, b->first_column + i, b->last_column + i);
+    put_reach(middle_y, reach_y, b->first_row + i, b->last_row + i);
     vi_store(b->covers[0] + i, vi_splat((int32_t)SHB_LIST_SHEET_0) & known);
     vi_store(b->covers[1] + i, (vi_splat((int32_t)SHB_LIST_SHEET_1) & known) |
                                    (vi_splat((int32_t)SHB_LIST_UNKNOWN_1) & ~known));
@@ -150,8 +154,8 @@ static void put_functions(const shb_list_cover *cover, bool with_sheets, list_ba
     for (int i = 0; i < LIST_LANES; i++)
         memcpy(records + 16 * i, &cover->triangles[b->numbers[i]], sizeof *cover->triangles);
     for (int i = 0; i < LIST_LANES; i += WIDE)
-        put_weights(cover, rim, records, i, b);
-    put_cell_depths(cover, rim, b);
+        put_weights(cover, with_sheets, rim, records, i, b);
+    put_cell_depths(cover, with_sheets, rim, b);
     if (!with_sheets)
         return;
     for (int i = 0; i < LIST_LANES; i++)
@@ -159,6 +163,8 @@ static void put_functions(const shb_list_cover *cover, bool with_sheets, list_ba
     for (int i = 0; i < LIST_LANES; i += WIDE)
         put_outlines_of(cover, records, i, b);
 }
+
+#include "k_list_sheet.inl"
 
 static inline uint32_t first_cell(uint32_t texel, uint32_t tile, int bits) {
     return (texel > tile ? texel - tile : 0) >> bits;
@@ -187,61 +193,6 @@ static inline uint32_t open_blocks(const shb_list_cover *cover, uint32_t row, fl
     return ~hidden;
 }
 
-/* Cells of those of a mask that an edge may meet: its line does, and its box. */
-static inline vm meets_edge(const list_batch *b, int t, int k, vm cells, vf x, vf y, vf worst) {
-    const vf off_x = vf_abs(x - b->middle_x[k][t]) - b->reach_x[k][t];
-    const vf off_y = vf_abs(y - b->middle_y[k][t]) - b->reach_y[k][t];
-    return vm_below(cells, vf_max(vf_max(off_x, off_y), worst), vf_splat(0));
-}
-
-/* Cells whose sums are those of one sheet. */
-static inline vm closed_cells(vm cells, vi sum_0, vi sum_1) {
-    const vm first = vm_equal(cells, sum_0, vi_splat((int32_t)SHB_LIST_SHEET_0));
-    return vm_equal(first, sum_1, vi_splat((int32_t)SHB_LIST_SHEET_1));
-}
-
-/* Adds a triangle to the sheets of the cells that it enters. Returns the cells that are closed, and
- * where their sheets end. A closed sheet makes room for a triangle that ends before all of it. */
-static inline vm add_to_sheets(const list_batch *b, int t, vm enters, const vf at[2],
-                               const vf weights[3], vf begin, vf end, shb_list_sheets *sheets,
-                               size_t cell, size_t stride, int i, vf *sheet_end) {
-    vi sum_0 = load_window_i(sheets->sums[0] + cell, stride, i);
-    vi sum_1 = load_window_i(sheets->sums[1] + cell, stride, i);
-    vf last = vf_load_square(sheets->ends + cell, stride, i);
-    vf first = vf_load_square(sheets->begins + cell, stride, i);
-    const vm renews = vm_below(closed_cells(enters, sum_0, sum_1), end, first);
-    if (vm_bits(renews)) {
-        float *behind = sheets->behind + cell;
-        vf_store_square(behind, stride, i,
-                        vf_pick(renews, first, vf_load_square(behind, stride, i)));
-        first = vf_pick(renews, vf_splat(HUGE_VALF), first);
-        last = vf_pick(renews, vf_splat(-HUGE_VALF), last);
-        sum_0 = vi_pick(renews, vi_splat(0), sum_0);
-        sum_1 = vi_pick(renews, vi_splat(0), sum_1);
-    }
-    const vf sample = vf_min(vf_min(weights[0] + b->sample[0][t], weights[1] + b->sample[1][t]),
-                             weights[2] + b->sample[2][t]);
-    const vm covers = vm_and(enters, vm_not_above(vf_splat(0), sample));
-    sum_0 = vm_add(covers, sum_0, vi_splat(b->covers[0][t]));
-    sum_1 = vm_add(covers, sum_1, vi_splat(b->covers[1][t]));
-    const vm doubtful = vm_below(covers, sample, vf_splat(b->sure[t]));
-    if (vm_bits(doubtful))
-        sum_1 = vm_add(doubtful, sum_1, vi_splat((int32_t)SHB_LIST_UNKNOWN_1));
-    for (int k = 0; k < 3; k++) {
-        const vm meets = meets_edge(b, t, k, enters, at[0], at[1], weights[k] + b->worst[k][t]);
-        sum_0 = vm_add(meets, sum_0, vi_splat(b->edges[k][0][t]));
-        sum_1 = vm_add(meets, sum_1, vi_splat(b->edges[k][1][t]));
-    }
-    last = vf_pick(enters, vf_max(last, end), last);
-    first = vf_pick(enters, vf_min(first, begin), first);
-    store_window_i(sheets->sums[0] + cell, stride, i, sum_0);
-    store_window_i(sheets->sums[1] + cell, stride, i, sum_1);
-    vf_store_square(sheets->ends + cell, stride, i, last);
-    vf_store_square(sheets->begins + cell, stride, i, first);
-    *sheet_end = last;
-    return closed_cells(enters, sum_0, sum_1);
-}
-
 /* Appends entries of WIDE cells of a window; the room for all of them is there. Returns how many.
  */
 static inline size_t append_entries(const shb_list_unsorted *entries, size_t end, uint32_t number,
@@ -257,10 +208,6 @@ static inline __attribute__((always_inline)) void cover_window(shb_list_cover *c
                                                                bool with_sheets, uint32_t column,
                                                                uint32_t row, const list_batch *b,
                                                                int t) {
-    static const SHB_ALIGN float lane_x[LIST_LANES] = {0, 1, 2, 3, 0, 1, 2, 3,
-                                                       0, 1, 2, 3, 0, 1, 2, 3};
-    static const SHB_ALIGN float lane_y[LIST_LANES] = {0, 0, 0, 0, 1, 1, 1, 1,
-                                                       2, 2, 2, 2, 3, 3, 3, 3};
     const size_t side = SHB_LIST_TILE >> cover->cell_bits, stride = side + SHB_LIST_BLOCK;
     const size_t cell = row * stride + column;
     const float left = (float)(int32_t)(column << cover->cell_bits);
@@ -271,7 +218,7 @@ static inline __attribute__((always_inline)) void cover_window(shb_list_cover *c
     const vf last_x = vf_splat((float)(int32_t)(cells->last_column << cover->cell_bits));
     const vf last_y = vf_splat((float)(int32_t)(cells->last_row << cover->cell_bits));
     for (int i = 0; i < LIST_LANES; i += WIDE) {
-        const vf at[2] = {left + size * vf_load(lane_x + i), top + size * vf_load(lane_y + i)};
+        const vf at[2] = {left + size * vf_load(block_x + i), top + size * vf_load(block_y + i)};
         vf weights[3];
         for (int k = 0; k < 3; k++)
             weights[k] = (b->x[k][t] * at[0] + b->y[k][t] * at[1]) + b->best[k][t];
@@ -287,25 +234,17 @@ static inline __attribute__((always_inline)) void cover_window(shb_list_cover *c
                                 weights[2] + b->worst[2][t]);
         const vm hides = vm_below(vm_not_above(vf_splat(0), least), end, before);
         const uint32_t bits = vm_bits(enters);
-        vf far = vf_pick(hides, end, before), sheet_end;
-        uint32_t hiding = vm_bits(hides);
+        const uint32_t hiding = vm_bits(hides);
         int32_t *counts = cover->counts + cell;
         store_window_i(counts, stride, i,
                        vm_add(enters, load_window_i(counts, stride, i), vi_splat(1)));
-        if (with_sheets && bits) {
-            const vm closed = add_to_sheets(b, t, enters, at, weights, begin, end, &cover->sheets,
-                                            cell, stride, i, &sheet_end);
-            far = vf_pick(closed, vf_min(sheet_end, far), far);
-            hiding |= vm_bits(closed);
-        }
         if (hiding) {
-            vf_store_square(cover->far + cell, stride, i, far);
+            vf_store_square(cover->far + cell, stride, i, vf_pick(hides, end, before));
             cover->is_nearer = true;
         }
-        if (!with_sheets || bits)
-            cover->unsorted.count +=
-                append_entries(&cover->unsorted, cover->unsorted.count, b->numbers[t],
-                               corner + vi_load(cover->lane_cells + i), bits, begin);
+        cover->unsorted.count += append_entries(
+            &cover->unsorted, cover->unsorted.count, with_sheets ? (uint32_t)t : b->numbers[t],
+            corner + vi_load(cover->lane_cells + i), bits, begin);
     }
 }
 
@@ -382,12 +321,15 @@ static inline __attribute__((always_inline)) bool cover_batch(shb_list_cover *co
     const size_t room = (blocks * blocks + 1) * LIST_LANES; /* for one triangle */
     if (b->count == 0)
         return true;
+    const size_t begin = cover->unsorted.count;
     put_functions(cover, with_sheets, b);
     for (int t = 0; t < b->count; t++) {
         if (cover->unsorted.capacity - cover->unsorted.count < room)
             return false;
         cover_windows(cover, with_sheets, b, t);
     }
+    if (with_sheets)
+        add_to_sheets(cover, b, begin);
     b->count = 0;
     return true;
 }
@@ -447,38 +389,8 @@ static void empty_cells(shb_list_cover *cover) {
             cover->far[row * stride + i] = row < side && i < side ? HUGE_VALF : -HUGE_VALF;
     for (size_t i = 0; i < SHB_LIST_BLOCKS * SHB_LIST_BLOCKS; i++)
         cover->farthest[i] = HUGE_VALF;
-    if (!cover->with_sheets)
-        return;
-    shb_list_sheets *sheets = &cover->sheets;
-    memset(sheets->sums[0], 0, stride * stride * sizeof *sheets->sums[0]);
-    memset(sheets->sums[1], 0, stride * stride * sizeof *sheets->sums[1]);
-    for (size_t i = 0; i < stride * stride; i++) {
-        sheets->begins[i] = HUGE_VALF;
-        sheets->ends[i] = -HUGE_VALF;
-        sheets->behind[i] = HUGE_VALF;
-    }
-}
-
-/* What sheets.h says of the cells. */
-static void put_bounds(shb_list_cover *cover) {
-    const size_t side = SHB_LIST_TILE >> cover->cell_bits, stride = side + SHB_LIST_BLOCK;
-    const shb_list_sheets *sheets = &cover->sheets;
-    for (size_t row = 0; row < side; row++) {
-        const size_t at = row * stride;
-        const float *restrict far = cover->far + at, *restrict ends = sheets->ends + at;
-        const float *restrict behind = sheets->behind + at;
-        const int32_t *restrict sum_0 = sheets->sums[0] + at, *restrict sum_1 =
-                                                                  sheets->sums[1] + at;
-        uint32_t bits[SHB_LIST_TILE];
-        memcpy(bits, far, side * sizeof *bits);
-        for (size_t i = 0; i < side; i++) {
-            const int is_whole = (sum_0[i] == (int32_t)SHB_LIST_SHEET_0) &
-                                 (sum_1[i] == (int32_t)SHB_LIST_SHEET_1) & (ends[i] <= far[i]) &
-                                 (far[i] < behind[i]);
-            bits[i] = (bits[i] & ~1u) | (uint32_t)is_whole;
-        }
-        memcpy(cover->bounds + row * side, bits, side * sizeof *bits);
-    }
+    if (cover->with_sheets)
+        empty_sheets(&cover->sheets);
 }
 
 /* Entries from the order of triangles to that of cells. */
@@ -513,6 +425,8 @@ static inline __attribute__((always_inline)) bool cover_by(shb_list_cover *cover
         const float nearest =
             (float)shb_list_level_depth(cover->frame, (double)(cover->keys[k] >> 32));
         if (k % LIST_SPELL == LIST_SPELL - 1) {
+            if (with_sheets)
+                find_far_cells(cover);
             if (cover->is_nearer) {
                 find_farthest(cover);
                 cover->is_nearer = false;
@@ -532,6 +446,8 @@ static inline __attribute__((always_inline)) bool cover_by(shb_list_cover *cover
     }
     if (!cover_batch(cover, with_sheets, &batch))
         return false;
+    if (with_sheets)
+        find_far_cells(cover);
     sort_entries(cover);
     if (with_sheets)
         put_bounds(cover);

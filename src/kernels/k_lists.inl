@@ -226,8 +226,11 @@ static void put_outlines(const uint64_t *names, const uint32_t *const corners[LI
     name_edges(names, corners, made->turned, &edges);
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < LIST_LANES; i++) {
-            places[k][i] = (float)c->x[k][i];
-            places[3 + k][i] = (float)c->y[k][i];
+            const int known = made->is_known[i];
+            const int32_t column = k ? made->last_column[i] : made->first_column[i];
+            const int32_t row = k ? made->last_row[i] : made->first_row[i];
+            places[k][i] = known ? (float)c->x[k][i] : (float)column + 0.5f;
+            places[3 + k][i] = known ? (float)c->y[k][i] : (float)row + 0.5f;
             words[6 + 2 * k][i] = (uint32_t)edges.names[k][i];
             words[7 + 2 * k][i] = (uint32_t)(edges.names[k][i] >> 32);
         }

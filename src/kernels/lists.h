@@ -12,7 +12,8 @@
 /* The side of a tile in texels, and the least number of its cells on a side. */
 #define SHB_LIST_TILE_BITS 6
 #define SHB_LIST_TILE (1 << SHB_LIST_TILE_BITS)
-#define SHB_LIST_BLOCK 4
+#define SHB_LIST_BLOCK_BITS 2
+#define SHB_LIST_BLOCK (1 << SHB_LIST_BLOCK_BITS)
 
 /* A vertex as the light sees it. */
 typedef struct shb_list_vertex {
@@ -37,16 +38,18 @@ typedef struct shb_list_places {
 #define SHB_LIST_CORNER 0x1p-10
 
 /* A triangle's outline in the map, as the light sees it, for the proof that triangles together
- * cover a cell (k_list_sheet.inl). Edge k lies opposite to corner k. */
+ * cover a texel (k_list_sheet.inl). Edge k lies opposite to corner k. */
 typedef struct shb_list_outline {
     SHB_ALIGN float x[3]; /* corners, texels */
     float y[3];
-    uint32_t edges[3][2]; /* what each edge adds to the sums of the cells that it meets: the
+    uint32_t edges[3][2]; /* what each edge adds to the sums of the texels that it meets: the
                              triangle on its other side takes it away again */
-    uint32_t is_known;    /* 0: it is too thin to tell which way it faces, or cut */
+    uint32_t is_known;    /* 0: it is too thin to tell which way it faces, or cut; corners say in
+                             which texels it may lie */
 } shb_list_outline;
 
-/* What a triangle that covers a cell's sample adds to its sums, and one whose outline is not known.
+/* What a triangle that covers a texel's sample adds to its sums, and one whose outline is not
+ * known.
  */
 #define SHB_LIST_SHEET_0 0x9e3779b9u
 #define SHB_LIST_SHEET_1 0x85ebca6bu
@@ -73,11 +76,19 @@ typedef struct shb_list_entry {
 /* A tile's cells while triangles are put into them, and a rim that vectors may reach. */
 #define SHB_LIST_CELLS_MAX ((SHB_LIST_TILE + SHB_LIST_BLOCK) * (SHB_LIST_TILE + SHB_LIST_BLOCK))
 
-/* The sheets that are being made in cells. */
+/* Texels, four by four, while their sheets are made. */
+typedef struct shb_list_block {
+    SHB_ALIGN float far[SHB_LIST_LANES]; /* behind it all of a texel is in shadow */
+    float begins[SHB_LIST_LANES], ends[SHB_LIST_LANES];
+    int32_t sums[2][SHB_LIST_LANES]; /* of edges and samples */
+    float behind[SHB_LIST_LANES];    /* where sheets begin that were made before */
+} shb_list_block;
+
+/* The sheets that are being made. */
 typedef struct shb_list_sheets {
-    float begins[SHB_LIST_CELLS_MAX], ends[SHB_LIST_CELLS_MAX];
-    int32_t sums[2][SHB_LIST_CELLS_MAX]; /* of edges and samples */
-    float behind[SHB_LIST_CELLS_MAX];    /* where those begin that were made before */
+    shb_list_block blocks[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS];
+    bool is_nearer[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS]; /* of cells: texels in them have come to hide
+                                                          more */
 } shb_list_sheets;
 
 /* A tile of a map. */
@@ -128,7 +139,7 @@ typedef struct shb_list_cover {
     /* what is made, without the rim */
     shb_list_cell *cells;                        /* and one for the end */
     shb_list_entry *entries;                     /* as many as unsorted ones */
-    float bounds[SHB_LIST_TILE * SHB_LIST_TILE]; /* with_sheets: of cells */
+    float bounds[SHB_LIST_TILE * SHB_LIST_TILE]; /* with_sheets: of texels */
 } shb_list_cover;
 
 /* Points of a group that are asked about one triangle at the same time: this many from the first
