@@ -3,6 +3,7 @@
 
 #include "allocator.h"
 #include "contexts.h"
+#include "isas.h"
 #include "probe.h"
 #include "random.h"
 #include "shadowbias/shadowbias.h"
@@ -29,15 +30,20 @@ static void put(void *texels, shb_format format, size_t i, double depth) {
         ((uint16_t *)texels)[i] = (uint16_t)(depth * 0xffff);
 }
 
-static pyramid_case open_case(uint32_t width, uint32_t height, shb_format format, bool reversed,
-                              uint32_t threads) {
+static pyramid_case open_case_of(shb_isa isa, uint32_t width, uint32_t height, shb_format format,
+                                 bool reversed, uint32_t threads) {
     pyramid_case made = {0};
-    made.context = test_context(threads, SHB_ISA_BEST);
+    made.context = test_context(threads, isa);
     const shb_map_desc desc = {
         .view = probe_orthographic(reversed), .width = width, .height = height, .format = format};
     made.texels = calloc((size_t)width * height, shb_format_size(format));
     CHECK_INT(shb_map_wrap(made.context, &desc, made.texels, 0, NULL, &made.map), SHB_OK);
     return made;
+}
+
+static pyramid_case open_case(uint32_t width, uint32_t height, shb_format format, bool reversed,
+                              uint32_t threads) {
+    return open_case_of(SHB_ISA_BEST, width, height, format, reversed, threads);
 }
 
 static void close_case(pyramid_case *made) {
@@ -139,6 +145,26 @@ TEST(pyramid_of_depths_that_no_drawing_gives) {
             check_bounds(&made);
             close_case(&made);
         }
+}
+
+TEST(pyramid_has_scalar_bits_on_every_instruction_set) {
+    for (int reversed = 0; reversed < 2; reversed++) {
+        pyramid_case scalar =
+            open_case_of(SHB_ISA_SCALAR, 203, 77, SHB_FORMAT_FLOAT32, reversed, 1);
+        fill(&scalar, 5);
+        check_bounds(&scalar);
+        for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+             isa = test_isa_after(isa)) {
+            pyramid_case made = open_case_of(isa, 203, 77, SHB_FORMAT_FLOAT32, reversed, 1);
+            fill(&made, 5);
+            check_bounds(&made);
+            CHECK_INT(made.bytes, scalar.bytes);
+            CHECK(memcmp(made.pyramid->levels[0].cells, scalar.pyramid->levels[0].cells,
+                         made.bytes - sizeof *made.pyramid) == 0);
+            close_case(&made);
+        }
+        close_case(&scalar);
+    }
 }
 
 /* Depths of 1/4 and 1/2 by turns have no slope: nothing is lost. */

@@ -62,6 +62,8 @@
 
 #include "k_lambert.inl"
 
+#include "k_pyramid_cells.inl"
+
 #include "k_pyramid.inl"
 
 #include "k_pcss.inl"
@@ -91,6 +93,8 @@ const shb_shade_kernels SHADE_KERNELS = {
     .poisson_exact = poisson_exact,
     .pcss = pcss_batch,
     .pcss_exact = pcss_exact,
+    .bound_cells = bound_cells,
+    .join_cells = join_cells,
     .own_depth = own_depth,
     .constant = constant_depth,
     .slope = slope_depth,

@@ -85,6 +85,16 @@ typedef struct shb_shade_kernels {
     /* The same with exact taps. */
     void (*pcss_exact)(const shb_pcss *pcss, const shb_filter_args *args);
 
+    /* Bounds of count cells of a pyramid next to each other, each of a square of texels whose
+     * canonical depths lie in rows that are pitch apart; there are depths for whole vectors. */
+    void (*bound_cells)(const float *depths, size_t pitch, float far_depth, size_t count,
+                        shb_pyramid_cell *cells);
+
+    /* A row of a level, of every such cell in rows and columns of another one and the next ones to
+     * its right and below; size: theirs. */
+    void (*join_cells)(const shb_pyramid_level *from, uint32_t every, float size, uint32_t row,
+                       const shb_pyramid_level *made);
+
     /* The stages of the built-in methods. */
     void (*own_depth)(size_t count, shb_receivers *receivers);
     shb_bias_fn *constant, *slope, *angle, *receiver_plane, *adaptive, *adaptive_soft;
