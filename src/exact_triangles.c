@@ -13,205 +13,22 @@
 #include "exact_triangles.h"
 
 #include "exact.h"
-#include "exact_sheet.h"
 #include "kernels/shade.h"
 #include "occluders.h"
 
-#include <math.h>
 #include <string.h>
 
-/* Where a triangle that covers the fragment's place lies, as far as rounding can tell; HIT_NONE:
- * it has no plane that could tell. */
-typedef enum hit { HIT_NONE, HIT_BEHIND, HIT_OWN, HIT_IN_FRONT } hit;
-
-/* A point of a group. */
-typedef struct asking {
-    const shb_map *map;
-    double rounding; /* of positions, as in light_point.h */
-    const shb_walk_group *group;
-    size_t i, number; /* in the group, and in the batch */
-} asking;
-
-static void place_of(const asking *a, double at[2]) {
-    at[0] = a->group->x[a->i];
-    at[1] = a->group->y[a->i];
-}
-
-/* Rounding moves the point by no more than its part of each coordinate, and so over the plane by
- * the sum of these times the normal's elements. */
-static hit compare_depth(const asking *a, uint32_t triangle) {
-    const shb_world_plane *plane = &a->map->occluders.world_planes[triangle];
-    double parts[3];
-    for (int k = 0; k < 3; k++)
-        parts[k] = plane->normal[k] * a->group->world[k][a->i];
-    const double behind = ((parts[0] + parts[1]) + parts[2]) + plane->offset;
-    const double error =
-        (a->rounding + SHB_PLANE_ROUNDING) * ((fabs(parts[0]) + fabs(parts[1])) + fabs(parts[2])) +
-        1;
-    return isnan(behind)      ? HIT_NONE
-           : behind > error   ? HIT_IN_FRONT
-           : behind >= -error ? HIT_OWN
-                              : HIT_BEHIND;
-}
-
-static hit hit_of(const asking *a, uint32_t triangle) {
-    return triangle == a->group->own_ids[a->i] ? HIT_OWN : compare_depth(a, triangle);
-}
-
-/* Triangles of a way over a sheet. */
-enum { WAY_MAX = 64 };
-
-/* The way from a sample as far as its sheet goes. */
-typedef struct sheet_way {
-    double from[2];
-    uint32_t triangle; /* the last one */
-    bool covers;       /* it covers the fragment's place */
-    hit hit;
-} sheet_way;
-
-/* The centre of the texel of sample k; the point is in the view. */
-static void place_sample(const asking *a, int k, double center[2]) {
-    double to[2];
-    place_of(a, to);
-    for (int axis = 0; axis < 2; axis++) {
-        const double own = (int32_t)to[axis], other = to[axis] - own < 0.5 ? -1 : 1;
-        center[axis] = own + (k & 1 << axis ? other : 0) + 0.5;
-    }
-}
-
-/* A triangle that is the fragment's surface, and those that its sheet goes on with. */
-typedef struct surroundings {
-    uint32_t triangles[4];
-} surroundings;
-
-static surroundings surroundings_of(const shb_light_mesh *mesh, uint32_t triangle) {
-    const shb_walk_triangle *t = &mesh->triangles[triangle];
-    surroundings near = {{triangle, triangle, triangle, triangle}};
-    for (uint32_t k = 0; k < 3; k++)
-        if (t->marks & SHB_EDGE_JOINED << k)
-            near.triangles[1 + k] = shb_neighbour_of(t->beyond[k]);
-    return near;
-}
-
-static bool is_among(const surroundings *near, uint32_t triangle) {
-    const uint32_t *t = near->triangles;
-    return (triangle == t[0]) | (triangle == t[1]) | (triangle == t[2]) | (triangle == t[3]);
-}
-
-/* A way that comes beside where an earlier one has met the fragment's surface leads there, too.
- * steps: triangles that it has left behind. */
-static void go(const asking *a, const surroundings *near, int steps, sheet_way *way) {
-    const shb_light_mesh *mesh = &a->map->occluders.mesh;
-    double to[2];
-    place_of(a, to);
-    for (; steps < WAY_MAX; steps++) {
-        if (is_among(near, way->triangle)) {
-            way->hit = HIT_OWN;
-            return;
-        }
-        const uint32_t next = shb_sheet_next(mesh, way->triangle, way->from, to, &way->covers);
-        if (next == way->triangle)
-            break;
-        way->triangle = next;
-    }
-    if (way->covers)
-        way->hit = hit_of(a, way->triangle);
-}
-
-static bool sees_all(const asking *a) {
-    bool sees = true;
+/* Takes point i of a group. */
+static void take_point(const shb_walk_group *from, size_t i, size_t number, shb_way_points *to) {
+    const size_t n = to->points.count++;
+    to->points.x[n] = from->world[0][i];
+    to->points.y[n] = from->world[1][i];
+    to->points.z[n] = from->world[2][i];
+    to->points.own_ids[n] = from->own_ids[i];
+    to->x[n] = from->x[i];
+    to->y[n] = from->y[i];
     for (int k = 0; k < 4; k++)
-        sees &= a->group->samples[k][a->i] != SHB_ID_NONE;
-    return sees;
-}
-
-/* One bit for each sample that holds a triangle which none before it does. */
-static uint32_t first_samples(const asking *a) {
-    uint32_t s[4], held = 0;
-    for (int k = 0; k < 4; k++) {
-        s[k] = a->group->samples[k][a->i];
-        held |= (uint32_t)(s[k] != SHB_ID_NONE) << k;
-    }
-    const uint32_t again = (uint32_t)(s[1] == s[0]) << 1 |
-                           (uint32_t)((s[2] == s[0]) | (s[2] == s[1])) << 2 |
-                           (uint32_t)((s[3] == s[0]) | (s[3] == s[1]) | (s[3] == s[2])) << 3;
-    return held & ~again;
-}
-
-/* What is known of where the first way has come; it covers the place then. */
-static hit first_hit(const asking *a) {
-    return a->group->own >> a->i & 1      ? HIT_OWN
-           : a->group->behind >> a->i & 1 ? HIT_BEHIND
-                                          : HIT_NONE;
-}
-
-/* Walks go on where ways have ended. */
-static void add_walks(const asking *a, int count, const sheet_way *ways, shb_left_points *left) {
-    shb_walk_crowd *crowd = &left->crowd;
-    const shb_walk_group *g = a->group;
-    bool is_known = !sees_all(a);
-    if (count == 0)
-        return;
-    const uint32_t point = (uint32_t)left->points.count++;
-    left->numbers[point] = a->number;
-    left->points.x[point] = g->world[0][a->i];
-    left->points.y[point] = g->world[1][a->i];
-    left->points.z[point] = g->world[2][a->i];
-    left->points.own_ids[point] = g->own_ids[a->i];
-    for (int i = 0; i < count; i++) {
-        const size_t n = crowd->count++;
-        crowd->from_x[n] = ways[i].from[0];
-        crowd->from_y[n] = ways[i].from[1];
-        crowd->to_x[n] = g->x[a->i];
-        crowd->to_y[n] = g->y[a->i];
-        crowd->triangles[n] = ways[i].triangle;
-        crowd->points[n] = point;
-        is_known |= ways[i].hit != HIT_NONE;
-    }
-    if (is_known)
-        return;
-    shb_doubtful_point *doubtful = &left->doubtful[left->doubtful_count++];
-    doubtful->point = point;
-    doubtful->sample = g->samples[0][a->i];
-    place_sample(a, 0, doubtful->center);
-}
-
-/* One way for each triangle. */
-static bool is_shadowed(const asking *a, shb_left_points *left_over) {
-    surroundings near = {{SHB_ID_NONE, SHB_ID_NONE, SHB_ID_NONE, SHB_ID_NONE}};
-    bool is_plain = sees_all(a);
-    sheet_way ways[4];
-    int count = 0;
-    for (uint32_t left = first_samples(a); left; left &= left - 1) {
-        const int k = __builtin_ctz(left);
-        sheet_way *way = &ways[count++];
-        place_sample(a, k, way->from);
-        way->triangle = a->group->ends[k][a->i];
-        way->hit = k == 0 ? first_hit(a) : HIT_NONE;
-        way->covers = way->hit != HIT_NONE;
-        if (!way->covers)
-            go(a, &near, way->triangle != a->group->samples[k][a->i], way);
-        if (way->hit == HIT_IN_FRONT)
-            return true;
-        if (way->hit == HIT_OWN && way->covers)
-            near = surroundings_of(&a->map->occluders.mesh, way->triangle);
-        is_plain &= way->hit == HIT_OWN;
-    }
-    if (!is_plain)
-        add_walks(a, count, ways, left_over);
-    return false;
-}
-
-/* Takes point i of a group, as point n. */
-static void take_point(const shb_walk_group *from, size_t i, size_t number, size_t n,
-                       shb_open_points *to) {
-    to->group.x[n] = from->x[i];
-    to->group.y[n] = from->y[i];
-    for (int k = 0; k < 3; k++)
-        to->world[k][n] = from->world[k][i];
-    for (int k = 0; k < 4; k++)
-        to->group.samples[k][n] = from->samples[k][i];
-    to->own_ids[n] = from->own_ids[i];
+        to->samples[k][n] = from->samples[k][i];
     to->numbers[n] = number;
 }
 
@@ -267,27 +84,66 @@ static void end_walks(shb_triangle_points *asked) {
     leave_none(left);
 }
 
+/* The centre of the texel of sample k; the point is in the view. */
+static void place_sample(const shb_way_points *p, size_t i, int k, double center[2]) {
+    const double to[2] = {p->x[i], p->y[i]};
+    for (int axis = 0; axis < 2; axis++) {
+        const double own = (int32_t)to[axis], other = to[axis] - own < 0.5 ? -1 : 1;
+        center[axis] = own + (k & 1 << axis ? other : 0) + 0.5;
+    }
+}
+
+/* Walks go on where ways have ended. */
+static void add_walks(const shb_way_points *p, size_t i, uint32_t point, shb_walk_crowd *crowd) {
+    for (int k = 0; k < 4; k++) {
+        double from[2];
+        if (!(p->found[i] & SHB_WAY_GONE << k))
+            continue;
+        const size_t n = crowd->count++;
+        place_sample(p, i, k, from);
+        crowd->from_x[n] = from[0];
+        crowd->from_y[n] = from[1];
+        crowd->to_x[n] = p->x[i];
+        crowd->to_y[n] = p->y[i];
+        crowd->triangles[n] = p->ends[k][i];
+        crowd->points[n] = point;
+    }
+}
+
+static void leave_to_walks(shb_triangle_points *asked, size_t i) {
+    const uint32_t met = 15 * SHB_WAY_OWN | SHB_WAY_BEHIND | SHB_WAY_EMPTY;
+    const shb_way_points *p = &asked->open;
+    shb_left_points *left = &asked->left;
+    if (SHB_WALK_CROWD - left->crowd.count < 4)
+        end_walks(asked);
+    const uint32_t point = (uint32_t)left->points.count++;
+    left->numbers[point] = p->numbers[i];
+    left->points.x[point] = p->points.x[i];
+    left->points.y[point] = p->points.y[i];
+    left->points.z[point] = p->points.z[i];
+    left->points.own_ids[point] = p->points.own_ids[i];
+    add_walks(p, i, point, &left->crowd);
+    if (p->found[i] & met)
+        return;
+    shb_doubtful_point *doubtful = &left->doubtful[left->doubtful_count++];
+    doubtful->point = point;
+    doubtful->sample = p->samples[0][i];
+    place_sample(p, i, 0, doubtful->center);
+}
+
 /* Answers what the samples themselves have left open, or leaves it to walks. */
 static void ask_open(shb_triangle_points *asked) {
-    const shb_map *map = asked->map;
-    shb_open_points *open = &asked->open;
-    shb_walk_group *g = &open->group;
-    if (g->count == 0)
-        return;
-    for (size_t n = g->count; n % SHB_LANES; n++) /* vectors are read as a whole */
-        take_point(g, g->count - 1, 0, n, open);
-    map->context->shade_kernels->beside(map, asked->rounding, g);
-    uint64_t shadowed = g->in_front & all_of(g);
-    for (uint64_t left = all_of(g) & ~g->in_front & ~g->joined; left; left &= left - 1) {
-        const size_t i = (size_t)__builtin_ctzll(left);
-        const asking a = {map, asked->rounding, g, i, open->numbers[i]};
-        if (SHB_WALK_CROWD - asked->left.crowd.count < 4)
-            end_walks(asked);
-        shadowed |= (uint64_t)is_shadowed(&a, &asked->left) << i;
+    shb_way_points *p = &asked->open;
+    if (p->points.count)
+        asked->map->context->shade_kernels->ways(asked->map, asked->rounding, p);
+    for (size_t i = 0; i < p->points.count; i++) {
+        const uint32_t gone = p->found[i] / SHB_WAY_GONE & 15, own = p->found[i] / SHB_WAY_OWN & 15;
+        if (p->found[i] & SHB_WAY_IN_FRONT)
+            asked->visibility[p->numbers[i]] = 0;
+        else if (gone && (gone != own || p->found[i] & SHB_WAY_EMPTY))
+            leave_to_walks(asked, i);
     }
-    for (; shadowed; shadowed &= shadowed - 1)
-        asked->visibility[open->numbers[__builtin_ctzll(shadowed)]] = 0;
-    g->count = 0;
+    p->points.count = 0;
 }
 
 static void start_group(const shb_exact_points *points, size_t first, shb_walk_group *group) {
@@ -305,10 +161,7 @@ void shb_triangle_points_begin(const shb_map *map, const shb_walk_places *places
     asked->places = *places;
     asked->visibility = visibility;
     asked->rounding = 0;
-    asked->open.group.count = 0;
-    asked->open.group.own_ids = asked->open.own_ids;
-    for (int k = 0; k < 3; k++)
-        asked->open.group.world[k] = asked->open.world[k];
+    asked->open.points.count = 0;
     leave_none(&asked->left);
 }
 
@@ -321,7 +174,7 @@ void shb_triangle_points_ask(shb_triangle_points *asked, const shb_exact_points 
                              size_t first) {
     const shb_map *map = asked->map;
     const double rounding = points->are_exact ? SHB_WEIGHTS_ROUNDING : SHB_FLOAT_ROUNDING;
-    shb_open_points *open = &asked->open;
+    shb_way_points *open = &asked->open;
     float *visibility = asked->visibility + first;
     shb_walk_group group;
     if (rounding != asked->rounding)
@@ -339,9 +192,9 @@ void shb_triangle_points_ask(shb_triangle_points *asked, const shb_exact_points 
             visibility[start + (size_t)__builtin_ctzll(left)] = 0;
         for (uint64_t left = all & ~group.in_front & ~group.joined; left; left &= left - 1) {
             const size_t i = (size_t)__builtin_ctzll(left);
-            if (open->group.count == SHB_LIST_GROUP)
+            if (open->points.count == SHB_BATCH)
                 ask_open(asked);
-            take_point(&group, i, first + start + i, open->group.count++, open);
+            take_point(&group, i, first + start + i, open);
         }
     }
 }

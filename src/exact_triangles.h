@@ -15,13 +15,28 @@ typedef struct shb_walk_group {
     SHB_ALIGN double x[SHB_LIST_GROUP]; /* texels; negative: not in the view */
     double y[SHB_LIST_GROUP];
     uint32_t samples[4][SHB_LIST_GROUP]; /* triangles */
-    /* How far ways from the samples have come: there, or one triangle on. */
-    uint32_t ends[4][SHB_LIST_GROUP];
-    /* One bit a point. The triangle where the first way has come covers the point's place, and lies
-     * in front of it, is its own surface, or lies behind it; that is so and the other ways have
-     * come to this triangle, too, or beside it. */
-    uint64_t in_front, own, behind, joined;
+    /* One bit a point. The nearest sample's triangle covers the point's place, and lies in front of
+     * it; or all sheets are known to be its own surface. */
+    uint64_t in_front, joined;
 } shb_walk_group;
+
+/* What ways have found. */
+#define SHB_WAY_GONE 1u       /* << sample: there is a way, no sample before holds its triangle */
+#define SHB_WAY_OWN 16u       /* << sample: its way leads to the point's own surface */
+#define SHB_WAY_IN_FRONT 256u /* one leads to a triangle in front of the point */
+#define SHB_WAY_BEHIND 512u   /* or to one behind it */
+#define SHB_WAY_EMPTY 1024u   /* a sample holds no triangle */
+
+/* Points that their samples have left open: from each sample a way goes on. */
+typedef struct shb_way_points {
+    shb_exact_points points;
+    size_t numbers[SHB_BATCH];
+    SHB_ALIGN double x[SHB_BATCH]; /* texels */
+    double y[SHB_BATCH];
+    uint32_t samples[4][SHB_BATCH];
+    uint32_t ends[4][SHB_BATCH]; /* triangles where ways have ended */
+    uint32_t found[SHB_BATCH];
+} shb_way_points;
 
 /* Triangles of a walk, and how far it goes beyond both places, texels. */
 #define SHB_WALK_MAX 256
@@ -51,14 +66,6 @@ typedef struct shb_walk_places {
     size_t position_step, normal_step;
 } shb_walk_places;
 
-/* Points that the samples themselves have left open. */
-typedef struct shb_open_points {
-    shb_walk_group group;
-    SHB_ALIGN double world[3][SHB_LIST_GROUP];
-    uint32_t own_ids[SHB_LIST_GROUP];
-    size_t numbers[SHB_LIST_GROUP];
-} shb_open_points;
-
 /* A point whose ways have all ended before they met anything; if walks are cut, too, planes tell.
  */
 typedef struct shb_doubtful_point {
@@ -83,7 +90,7 @@ typedef struct shb_triangle_points {
     shb_walk_places places;
     float *visibility;
     double rounding; /* of the positions, as in light_point.h */
-    shb_open_points open;
+    shb_way_points open;
     shb_left_points left;
 } shb_triangle_points;
 

@@ -338,18 +338,6 @@ static __attribute__((noinline)) void leave_garbage(void) {
         garbage[i] = 0x55;
 }
 
-/* The triangle that follows sample k on the way to its point. */
-static uint32_t step_alone(const shb_light_mesh *mesh, const shb_walk_group *g, size_t i, int k) {
-    const double to[2] = {g->x[i], g->y[i]};
-    double from[2];
-    bool covers;
-    for (int axis = 0; axis < 2; axis++) {
-        const double own = floor(to[axis]), other = to[axis] - own < 0.5 ? -1 : 1;
-        from[axis] = own + (k & 1 << axis ? other : 0) + 0.5;
-    }
-    return shb_sheet_next(mesh, g->samples[k][i], from, to, &covers);
-}
-
 /* The same triangle, or one that its sheet goes on with. */
 static bool is_beside(const shb_light_mesh *mesh, uint32_t triangle, uint32_t other) {
     const shb_walk_triangle *t = &mesh->triangles[triangle];
@@ -359,60 +347,106 @@ static bool is_beside(const shb_light_mesh *mesh, uint32_t triangle, uint32_t ot
     return is;
 }
 
-static bool is_repeated(const shb_walk_group *g, size_t i, int k) {
+static bool is_repeated(const shb_way_points *p, size_t i, int k) {
     bool is = false;
     for (int before = 0; before < k; before++)
-        is |= g->samples[before][i] == g->samples[k][i];
+        is |= p->samples[before][i] == p->samples[k][i];
     return is;
 }
 
-/* Ways that have come beside the point's surface stay there; all others have made one step. */
-static void check_ends(const shb_light_mesh *mesh, const shb_walk_group *g, size_t i,
-                       int counts[2]) {
-    const bool is_own = g->own >> i & 1;
-    bool are_joined = is_own;
-    for (int k = 0; k < 4; k++) {
-        const uint32_t sample = g->samples[k][i], first = g->ends[0][i];
-        if (sample == SHB_ID_NONE)
-            are_joined = false;
-        if (sample == SHB_ID_NONE || is_repeated(g, i, k))
-            continue;
-        const bool stays = k > 0 && is_own && is_beside(mesh, first, sample);
-        const uint32_t end = stays ? sample : step_alone(mesh, g, i, k);
-        CHECK_INT(g->ends[k][i], end);
-        are_joined = are_joined && is_beside(mesh, first, end);
-        counts[end != sample]++;
-    }
-    CHECK_INT(g->joined >> i & 1, are_joined);
-}
+/* How many ways ended beside the point's surface, in front of the point and behind it, and how many
+ * had made two steps or more. */
+typedef struct way_counts {
+    int beside, in_front, behind, long_ways;
+} way_counts;
 
-static void check_group(shb_isa isa, const shb_map *map, const soup *s, test_random *random,
-                        int counts[2]) {
-    static float points[POINTS][3], normals[POINTS][3];
-    static shb_walk_group g;
-    SHB_ALIGN double world[3][SHB_LIST_GROUP];
-    uint32_t own_ids[SHB_LIST_GROUP];
-    place_points(s, random, points, normals);
-    g.own_ids = own_ids;
-    for (size_t first = 0; first + SHB_LIST_GROUP <= POINTS; first += SHB_LIST_GROUP) {
-        for (int k = 0; k < 3; k++) {
-            g.world[k] = world[k];
-            for (size_t i = 0; i < SHB_LIST_GROUP; i++)
-                world[k][i] = (double)points[first + i][k];
+/* The way from sample k; surface: of the point, or SHB_ID_NONE. Returns what it finds. */
+static uint32_t go_alone(const shb_map *map, const shb_way_points *p, size_t i, int k,
+                         uint32_t *surface, uint32_t *end, way_counts *counts) {
+    const shb_light_mesh *mesh = &map->occluders.mesh;
+    const double to[2] = {p->x[i], p->y[i]};
+    const double position[3] = {p->points.x[i], p->points.y[i], p->points.z[i]};
+    const shb_light_point point = shb_light_point_at(&map->rows, position, SHB_FLOAT_ROUNDING);
+    double from[2];
+    for (int axis = 0; axis < 2; axis++) {
+        const double own = floor(to[axis]), other = to[axis] - own < 0.5 ? -1 : 1;
+        from[axis] = own + (k & 1 << axis ? other : 0) + 0.5;
+    }
+    uint32_t triangle = p->samples[k][i];
+    bool covers = false;
+    for (int steps = 0; steps < 64; steps++) {
+        if (*surface != SHB_ID_NONE && is_beside(mesh, *surface, triangle)) {
+            *end = triangle;
+            counts->beside++;
+            return SHB_WAY_OWN << k;
         }
-        for (size_t i = 0; i < SHB_LIST_GROUP; i++)
-            own_ids[i] = SHB_ID_NONE;
-        g.count = SHB_LIST_GROUP - random_below(random, 8);
-        shb_shade_kernels_of(isa)->nearest(map, SHB_FLOAT_ROUNDING, &g);
-        leave_garbage();
-        shb_shade_kernels_of(isa)->beside(map, SHB_FLOAT_ROUNDING, &g);
-        for (size_t i = 0; i < g.count; i++)
-            if (!(g.in_front >> i & 1))
-                check_ends(&map->occluders.mesh, &g, i, counts);
+        const uint32_t next = shb_sheet_next(mesh, triangle, from, to, &covers);
+        if (next == triangle)
+            break;
+        triangle = next;
+        counts->long_ways += steps == 1;
     }
+    *end = triangle;
+    if (!covers)
+        return 0;
+    const alone_hit hit =
+        triangle == p->points.own_ids[i] ? ALONE_OWN : compare(map, &point, triangle);
+    if (hit == ALONE_OWN)
+        *surface = triangle;
+    counts->in_front += hit == ALONE_IN_FRONT;
+    counts->behind += hit == ALONE_BEHIND;
+    return hit == ALONE_OWN        ? SHB_WAY_OWN << k
+           : hit == ALONE_IN_FRONT ? SHB_WAY_IN_FRONT
+           : hit == ALONE_BEHIND   ? SHB_WAY_BEHIND
+                                   : UINT32_MAX;
 }
 
-TEST(ways_make_their_first_step_side_by_side) {
+static void check_ways(const shb_map *map, const shb_way_points *p, size_t i, way_counts *counts) {
+    uint32_t found = 0, surface = SHB_ID_NONE;
+    for (int k = 0; k < 4; k++) {
+        uint32_t end;
+        if (p->samples[k][i] == SHB_ID_NONE)
+            found |= SHB_WAY_EMPTY;
+        if (p->samples[k][i] == SHB_ID_NONE || is_repeated(p, i, k) || found & SHB_WAY_IN_FRONT)
+            continue;
+        const uint32_t more = go_alone(map, p, i, k, &surface, &end, counts);
+        if (more == UINT32_MAX) /* not to be told here */
+            return;
+        found |= SHB_WAY_GONE << k | more;
+        CHECK_INT(p->ends[k][i], end);
+    }
+    CHECK_INT(p->found[i], found);
+}
+
+/* Reads the samples around points; some of these are known to lie on their first one's triangle. */
+static void place_ways(shb_isa isa, const shb_map *map, float (*at)[3], size_t count,
+                       shb_way_points *p) {
+    static shb_walk_group g;
+    double *const world[3] = {p->points.x, p->points.y, p->points.z};
+    p->points.count = count;
+    for (size_t i = 0; i < SHB_BATCH; i++) {
+        for (int k = 0; k < 3; k++)
+            world[k][i] = (double)at[i][k];
+        p->points.own_ids[i] = SHB_ID_NONE;
+    }
+    for (size_t first = 0; first < SHB_BATCH; first += SHB_LIST_GROUP) {
+        g.count = SHB_LIST_GROUP;
+        g.own_ids = p->points.own_ids + first;
+        for (int k = 0; k < 3; k++)
+            g.world[k] = world[k] + first;
+        shb_shade_kernels_of(isa)->nearest(map, SHB_FLOAT_ROUNDING, &g);
+        memcpy(p->x + first, g.x, sizeof g.x);
+        memcpy(p->y + first, g.y, sizeof g.y);
+        for (int k = 0; k < 4; k++)
+            memcpy(p->samples[k] + first, g.samples[k], sizeof g.samples[k]);
+    }
+    for (size_t i = 0; i < SHB_BATCH; i += 4)
+        p->points.own_ids[i] = p->samples[0][i];
+}
+
+TEST(ways_go_side_by_side_as_each_goes_alone) {
+    static float points[POINTS][3], normals[POINTS][3];
+    static shb_way_points p;
     const shb_view views[] = {probe_orthographic(false), spot(true)};
     for (int v = 0; v < 2; v++) {
         test_random random = {7};
@@ -422,10 +456,20 @@ TEST(ways_make_their_first_step_side_by_side) {
         build(&s, &random);
         asked_map made = asked_map_draw(SHB_ISA_BEST, &desc, &s);
         for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa)) {
-            int counts[2] = {0, 0};
-            check_group(isa, made.map, &s, &random, counts);
-            test_check(counts[0] > 500 && counts[1] > 500, __FILE__, __LINE__,
-                       "%d stayed, %d made a step", counts[0], counts[1]);
+            way_counts counts = {0};
+            place_points(&s, &random, points, normals);
+            for (size_t first = 0; first + SHB_BATCH <= POINTS; first += SHB_BATCH) {
+                place_ways(isa, made.map, points + first, SHB_BATCH - random_below(&random, 40),
+                           &p);
+                leave_garbage();
+                shb_shade_kernels_of(isa)->ways(made.map, SHB_FLOAT_ROUNDING, &p);
+                for (size_t i = 0; i < p.points.count; i++)
+                    check_ways(made.map, &p, i, &counts);
+            }
+            test_check(counts.beside > 500 && counts.in_front > 200 && counts.behind > 200 &&
+                           counts.long_ways > 200,
+                       __FILE__, __LINE__, "%d beside, %d in front, %d behind, %d long",
+                       counts.beside, counts.in_front, counts.behind, counts.long_ways);
         }
         asked_map_close(&made);
         soup_free(&s);

@@ -1,6 +1,6 @@
-/* The exact method on maps that keep triangles, as far as the samples themselves and one step over
- * the mesh tell it: most fragments lie on what is found there, or behind it. All of it says what
- * ways from all samples would. */
+/* The exact method on maps that keep triangles, as far as the samples themselves tell it: most
+ * fragments lie on what is found there, or behind it. All of it says what ways from all samples
+ * would. */
 
 /* True if one of so many points from i on is wanted. */
 static inline ALWAYS_INLINE bool wants_some(uint64_t wanted, size_t i, size_t lanes) {
@@ -236,13 +236,14 @@ typedef struct place_lanes {
     wd area;             /* of any sign; 0: the triangle covers nothing */
 } place_lanes;
 
-static inline ALWAYS_INLINE place_lanes find_places(const shb_map *map, const shb_walk_group *g,
-                                                    const uint32_t *readable, size_t i) {
-    const wd zero = wd_splat(0.0), x = wd_load(g->x + i), y = wd_load(g->y + i);
+static inline ALWAYS_INLINE place_lanes find_places(const shb_map *map, const double *places_x,
+                                                    const double *places_y,
+                                                    const uint32_t *readable) {
+    const wd zero = wd_splat(0.0), x = wd_load(places_x), y = wd_load(places_y);
     const double *corners_x[DOUBLES], *last_y[DOUBLES];
     wd first[4], last[4];
     for (size_t k = 0; k < DOUBLES; k++) {
-        const shb_walk_triangle *t = &map->occluders.mesh.triangles[readable[i + k]];
+        const shb_walk_triangle *t = &map->occluders.mesh.triangles[readable[k]];
         corners_x[k] = t->x;
         last_y[k] = t->y + 1;
     }
@@ -271,7 +272,7 @@ static inline ALWAYS_INLINE uint64_t covered_bits(const shb_map *map, const shb_
     for (size_t i = 0; i < SHB_LIST_GROUP; i += DOUBLES) {
         if (!wants_some(wanted, i, DOUBLES))
             continue;
-        const place_lanes p = find_places(map, g, readable, i);
+        const place_lanes p = find_places(map, g->x + i, g->y + i, readable + i);
         const wd farthest = wd_max(wd_max(p.beyond[0], p.beyond[1]), p.beyond[2]);
         bits |=
             bits_at(wd_greater_bits(wd_abs(p.area), zero) & ~wd_greater_bits(farthest, zero), i);
@@ -318,115 +319,4 @@ static void ask_nearest(const shb_map *map, double rounding, shb_walk_group *g) 
         ask_nearest_as(map, true, rounding, g);
     else
         ask_nearest_as(map, false, rounding, g);
-}
-
-/* Of edges one and other of the triangles, the number of the one that ways cross to places beyond
- * both, as shb_edge_crossed. */
-static inline ALWAYS_INLINE wd crossed(const wd left[3], int one, int other) {
-    return wd_where_greater(left[3 - one - other] * left[one], wd_splat(0.0), wd_splat(one),
-                            wd_splat(other));
-}
-
-/* The numbers of the edges that ways go on over; 3: none. */
-static inline ALWAYS_INLINE wd edges_ahead(const place_lanes *p, wd way_x, wd way_y) {
-    const wd zero = wd_splat(0.0), one = wd_splat(1.0), two = wd_splat(2.0), none = wd_splat(3.0);
-    wd left[3]; /* 1 or -1 */
-    for (int k = 0; k < 3; k++)
-        left[k] = wd_where_greater(zero, way_x * p->to_y[k] - way_y * p->to_x[k], one, -one);
-    const wd beyond_0 = wd_where_greater(
-        p->beyond[1], zero, wd_where_greater(p->beyond[2], zero, none, crossed(left, 0, 1)),
-        wd_where_greater(p->beyond[2], zero, crossed(left, 0, 2), zero));
-    const wd within_0 = wd_where_greater(
-        p->beyond[1], zero, wd_where_greater(p->beyond[2], zero, crossed(left, 1, 2), one),
-        wd_where_greater(p->beyond[2], zero, two, none));
-    return wd_where_greater(wd_abs(p->area), zero,
-                            wd_where_greater(p->beyond[0], zero, beyond_0, within_0), none);
-}
-
-/* The triangles that follow on the ways from samples k, as shb_sheet_next. */
-static inline ALWAYS_INLINE void step_over(const shb_map *map, const shb_walk_group *g, int k,
-                                           const uint32_t *readable, uint64_t wanted,
-                                           uint32_t *next) {
-    int32_t edges[SHB_LIST_GROUP];
-    link_lanes links;
-    const wd half = wd_splat(0.5), one = wd_splat(1.0);
-    read_links(map, readable, wanted, &links);
-    for (size_t i = 0; i < SHB_LIST_GROUP; i += DOUBLES) {
-        if (!wants_some(wanted, i, DOUBLES))
-            continue;
-        const wd to_x = wd_load(g->x + i), to_y = wd_load(g->y + i);
-        wd from_x = wd_floor(to_x), from_y = wd_floor(to_y);
-        if (k & 1)
-            from_x += wd_where_greater(half, to_x - from_x, -one, one);
-        if (k & 2)
-            from_y += wd_where_greater(half, to_y - from_y, -one, one);
-        const place_lanes places = find_places(map, g, readable, i);
-        wd_store_ints(edges + i,
-                      edges_ahead(&places, to_x - (from_x + 0.5), to_y - (from_y + 0.5)));
-    }
-    for (size_t i = 0; i < SHB_LIST_GROUP; i += WIDE) {
-        const vi edge = vi_load(edges + i), marks = vi_load((const int32_t *)links.marks + i);
-        const vi id = vi_load((const int32_t *)g->samples[k] + i);
-        vi to = id;
-        for (int e = 0; e < 3; e++) {
-            const vi goes = (edge == e) & ((marks & (int32_t)SHB_EDGE_JOINED << e) != 0) &
-                            (id != (int32_t)SHB_ID_NONE);
-            to = ((vi)(vu_load(links.beyond[e] + i) >> 3) & goes) | (to & ~goes);
-        }
-        vi_store((int32_t *)next + i, to);
-    }
-}
-
-/* Bits of the points whose sample k holds the triangle of one before it. */
-static inline ALWAYS_INLINE uint64_t repeated_bits(const shb_walk_group *g, int k) {
-    uint64_t bits = 0;
-    for (size_t i = 0; i < SHB_LIST_GROUP; i += WIDE) {
-        const vu triangle = vu_load(g->samples[k] + i);
-        vi is_there = {0};
-        for (int before = 0; before < k; before++)
-            is_there |= triangle == vu_load(g->samples[before] + i);
-        bits |= bits_at(vi_bits(is_there), i);
-    }
-    return bits;
-}
-
-/* Asks for the triangles of all samples but the first, which were read already. */
-static inline ALWAYS_INLINE void prefetch_triangles(const shb_map *map, const shb_walk_group *g) {
-    for (int k = 1; k < 4; k++)
-        for (size_t i = 0; i < g->count; i++) {
-            const uint32_t id = g->samples[k][i];
-            __builtin_prefetch(&map->occluders.mesh.triangles[id != SHB_ID_NONE ? id : 0]);
-        }
-}
-
-static void ask_beside(const shb_map *map, double rounding, shb_walk_group *g) {
-    SHB_ALIGN uint32_t readable[SHB_LIST_GROUP];
-    const uint64_t all = UINT64_MAX >> (SHB_LIST_GROUP - g->count);
-    link_lanes links;
-    joined_lanes joined;
-    prefetch_triangles(map, g);
-    look_at_ids(g, g->samples[0], readable);
-    step_over(map, g, 0, readable, all, g->ends[0]);
-    const id_bits are = look_at_ids(g, g->ends[0], readable);
-    read_links(map, readable, all, &links);
-    const side_bits sides = find_sides(map, rounding, g->world, readable, all);
-    const uint64_t covered = covered_bits(map, g, readable, are.held & all) & links.whole;
-    g->in_front = covered & sides.in_front & ~are.own;
-    g->behind = covered & sides.behind & ~are.own;
-    g->own = covered & (are.own | sides.own);
-    find_joined(g->ends[0], &links, &joined);
-    g->joined = g->own;
-    for (int k = 1; k < 4; k++) {
-        uint32_t next[SHB_LIST_GROUP];
-        const uint64_t arrived = g->own & joined_bits(&joined, g->samples[k]);
-        const uint64_t left = all & ~g->in_front & ~arrived & ~repeated_bits(g, k);
-        memcpy(g->ends[k], g->samples[k], sizeof g->ends[k]);
-        if (!left)
-            continue;
-        look_at_ids(g, g->samples[k], readable);
-        step_over(map, g, k, readable, left, next);
-        for (size_t i = 0; i < g->count; i++)
-            g->ends[k][i] = left >> i & 1 ? next[i] : g->ends[k][i];
-        g->joined &= ~left | joined_bits(&joined, next);
-    }
 }

@@ -38,6 +38,8 @@
 
 #include "k_nearest.inl"
 
+#include "k_ways.inl"
+
 #include "k_walks.inl"
 
 #include "k_occluders.inl"
@@ -78,7 +80,7 @@ const shb_shade_kernels SHADE_KERNELS = {
     .planes = ask_planes,
     .place = place_on_triangles,
     .nearest = ask_nearest,
-    .beside = ask_beside,
+    .ways = go_ways,
     .walk = walk_on,
     .quick = WIDE > 1 ? test_quickly : NULL,
     .find_planes = find_planes,

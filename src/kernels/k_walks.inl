@@ -297,54 +297,33 @@ static inline ALWAYS_INLINE step_bits step_walking(const shb_map *map, uint64_t 
         vi_store((int32_t *)w->beyond + i, (is_middle & (vi)columns[1]) | (~is_middle & other));
         const vi mark = corner + 1 - (corner == 2); /* SHB_CORNER_SEEN << corner */
         seen |= bits_at(vi_bits(((vi)columns[3] & mark) != 0), i);
+        for (size_t n = i; n < i + WIDE; n++) /* while what was met is compared */
+            __builtin_prefetch(&triangles[w->beyond[n] < SHB_TWIN ? w->beyond[n] >> 3 : 0]);
     }
     over |= round;
     const uint64_t cut = ends | (~over & ~seen), goes_on = going & ~cut & ~over;
     return (step_bits){goes_on, going & cut, goes_on & passes};
 }
 
-/* Triangles that cover points' places, to be compared. */
-typedef struct met_triangles {
-    size_t count;
-    SHB_ALIGN double world[3][SHB_LIST_GROUP]; /* the points */
-    uint32_t ids[SHB_LIST_GROUP];
-    uint32_t points[SHB_LIST_GROUP]; /* in the batch */
-    uint64_t own;                    /* one bit each: the point is known to lie on it */
-} met_triangles;
-
-static void compare_met(const shb_map *map, double rounding, met_triangles *met,
-                        shb_walk_crowd *crowd) {
-    const uint64_t all = bits_below(met->count);
-    for (size_t i = met->count; i % SHB_LANES; i++) {
-        for (int k = 0; k < 3; k++)
-            met->world[k][i] = met->world[k][met->count - 1];
-        met->ids[i] = met->ids[met->count - 1];
-    }
-    const double *const world[3] = {met->world[0], met->world[1], met->world[2]};
-    const side_bits sides = find_sides(map, rounding, world, met->ids, all & ~met->own);
+static void tell_met(const shb_map *map, double rounding, met_triangles *met,
+                     shb_walk_crowd *crowd) {
+    uint32_t points[SHB_LIST_GROUP];
+    memcpy(points, met->points, sizeof points);
+    const side_bits sides = compare_met(map, rounding, met);
     for (uint64_t left = sides.in_front; left; left &= left - 1)
-        crowd->are_shadowed[met->points[__builtin_ctzll(left)]] = true;
-    for (uint64_t left = sides.in_front | sides.own | sides.behind | met->own; left;
-         left &= left - 1)
-        crowd->are_known[met->points[__builtin_ctzll(left)]] = true;
-    met->count = 0;
-    met->own = 0;
+        crowd->are_shadowed[points[__builtin_ctzll(left)]] = true;
+    for (uint64_t left = sides.in_front | sides.own | sides.behind; left; left &= left - 1)
+        crowd->are_known[points[__builtin_ctzll(left)]] = true;
 }
 
 static void take_met(const shb_map *map, double rounding, const shb_exact_points *points,
                      const walking *w, uint64_t covers, const uint32_t *ids, met_triangles *met,
                      shb_walk_crowd *crowd) {
     for (; covers; covers &= covers - 1) {
-        const size_t i = (size_t)__builtin_ctzll(covers), n = met->count++;
-        const uint32_t point = w->points[i];
-        met->world[0][n] = points->x[point];
-        met->world[1][n] = points->y[point];
-        met->world[2][n] = points->z[point];
-        met->own |= (uint64_t)(ids[i] == points->own_ids[point]) << n;
-        met->ids[n] = ids[i];
-        met->points[n] = point;
+        const size_t i = (size_t)__builtin_ctzll(covers);
+        add_met(points, w->points[i], ids[i], met);
         if (met->count == SHB_LIST_GROUP)
-            compare_met(map, rounding, met, crowd);
+            tell_met(map, rounding, met, crowd);
     }
 }
 
@@ -372,6 +351,6 @@ static void walk_on(const shb_map *map, double rounding, const shb_exact_points 
         going = made.going;
     }
     if (met.count)
-        compare_met(map, rounding, &met, crowd);
+        tell_met(map, rounding, &met, crowd);
     crowd->count = 0;
 }

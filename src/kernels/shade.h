@@ -49,8 +49,8 @@ typedef struct shb_shade_kernels {
      * what those of their own texels tell. rounding: of positions, as in light_point.h. */
     void (*nearest)(const shb_map *map, double rounding, shb_walk_group *group);
 
-    /* Goes one triangle on from the samples of a group, and finds what is met there. */
-    void (*beside)(const shb_map *map, double rounding, shb_walk_group *group);
+    /* Goes the ways from all samples of points as far as their sheets lead towards the points. */
+    void (*ways)(const shb_map *map, double rounding, shb_way_points *points);
 
     /* Makes the walks of a crowd as far as they go; it is empty then. */
     void (*walk)(const shb_map *map, double rounding, const shb_exact_points *points,
