@@ -4,6 +4,8 @@
 
 #include "shadowbias/view.h"
 
+#include <math.h>
+
 /* How points become X, Y (texels) and Z (canonical depth): rows for X w, Y w, Z w and w. */
 typedef struct shb_list_frame {
     double rows[4][4];
@@ -53,7 +55,7 @@ static inline double shb_list_row(const double row[4], double x, double y, doubl
 /* A bound of the depths of a level: grows with it, and is not above any of them. */
 static inline double shb_list_level_depth(const shb_list_frame *frame, double level) {
     const double depth = frame->level_origin + (level - 1) * frame->level_size;
-    return depth - 0x1p-22 * (depth < 0 ? -depth : depth);
+    return depth - 0x1p-22 * fabs(depth);
 }
 
 #endif

@@ -5,6 +5,9 @@
 #define LIST_SAMPLE_X 0x1.1p-1f
 #define LIST_SAMPLE_Y 0x1.bp-2f
 
+/* The most rows and columns of cells that a small triangle lies in. */
+enum { LIST_SMALL = 3 };
+
 /* Where a triangle lies in a tile, in cells. */
 typedef struct list_cells {
     uint32_t first_column, last_column, first_row, last_row;
@@ -30,6 +33,9 @@ typedef struct list_batch {
     int count;
     uint32_t numbers[LIST_LANES];
     list_cells cells[LIST_LANES];
+    int32_t first_columns[LIST_LANES], first_rows[LIST_LANES];
+    int32_t columns[LIST_LANES], rows[LIST_LANES]; /* behind the first one; -1 when triangles that
+                                                      are not small have been left out */
 } list_batch;
 
 /* Words of records, WIDE lanes of each four. */
@@ -175,14 +181,6 @@ static inline uint32_t last_cell(uint32_t texel, uint32_t tile, int bits) {
     return (last < SHB_LIST_TILE ? last : SHB_LIST_TILE - 1) >> bits;
 }
 
-static inline vi load_window_i(const int32_t *at, size_t stride, int i) {
-    return (vi)vf_load_square((const float *)at, stride, i);
-}
-
-static inline void store_window_i(int32_t *at, size_t stride, int i, vi v) {
-    vf_store_square((float *)at, stride, i, (vf)v);
-}
-
 /* Blocks of a row, one bit each, such that a window that begins there has cells which do not hide a
  * depth. */
 static inline uint32_t open_blocks(const shb_list_cover *cover, uint32_t row, float depth) {
@@ -235,12 +233,9 @@ static inline __attribute__((always_inline)) void cover_window(shb_list_cover *c
         const vm hides = vm_below(vm_not_above(vf_splat(0), least), end, before);
         const uint32_t bits = vm_bits(enters);
         const uint32_t hiding = vm_bits(hides);
-        int32_t *counts = cover->counts + cell;
-        store_window_i(counts, stride, i,
-                       vm_add(enters, load_window_i(counts, stride, i), vi_splat(1)));
         if (hiding) {
             vf_store_square(cover->far + cell, stride, i, vf_pick(hides, end, before));
-            cover->is_nearer = true;
+            cover->is_nearer = cover->is_hiding = true;
         }
         cover->unsorted.count += append_entries(
             &cover->unsorted, cover->unsorted.count, with_sheets ? (uint32_t)t : b->numbers[t],
@@ -314,16 +309,82 @@ cover_windows(shb_list_cover *cover, bool with_sheets, const list_batch *b, int 
     }
 }
 
+/* Leaves the triangles of a batch that are small, one bit each: they lie in few cells, and there is
+ * no room for one in them. */
+static inline uint32_t keep_small(list_batch *b) {
+    uint32_t small = 0;
+    for (int i = 0; i < LIST_LANES; i += WIDE) {
+        const vi columns = vi_load(b->columns + i), rows = vi_load(b->rows + i);
+        const vf worst =
+            (vf_load(b->worst[0] + i) + vf_load(b->worst[1] + i)) + vf_load(b->worst[2] + i);
+        const vi is_small = (columns < LIST_SMALL) & (rows < LIST_SMALL) & (worst < -2) &
+                            (vi_numbers() + i < b->count);
+        vi_store(b->columns + i, columns | ~is_small);
+        vi_store(b->rows + i, rows | ~is_small);
+        small |= vi_bits(is_small) << i;
+    }
+    return small;
+}
+
+/* Puts WIDE triangles from lane i on into the cells at a place in their boxes. */
+static inline void cover_cell_of_each(shb_list_cover *cover, const list_batch *b, int column,
+                                      int row, int i) {
+    const vi inside = (vi_load(b->columns + i) >= column) & (vi_load(b->rows + i) >= row);
+    if (!vi_any(inside))
+        return;
+    const vi columns = vi_load(b->first_columns + i) + column;
+    const vi rows = vi_load(b->first_rows + i) + row;
+    const float size = (float)(1 << cover->cell_bits);
+    const vf x = size * __builtin_convertvector(columns, vf);
+    const vf y = size * __builtin_convertvector(rows, vf);
+    vf weights[3];
+    for (int k = 0; k < 3; k++)
+        weights[k] =
+            (vf_load(b->x[k] + i) * x + vf_load(b->y[k] + i) * y) + vf_load(b->best[k] + i);
+    const vf depth = vf_load(b->slope_x + i) * x + vf_load(b->slope_y + i) * y;
+    const vf begin = vf_max(depth + vf_load(b->begin + i), vf_load(b->nearest + i));
+    const vf most = vf_min(vf_min(weights[0], weights[1]), weights[2]);
+    const int bits_of_side = SHB_LIST_TILE_BITS - cover->cell_bits;
+    const int stride = (1 << bits_of_side) + SHB_LIST_BLOCK;
+    vi enters = inside & (most >= 0);
+    if (cover->is_hiding)
+        enters &= begin <= vf_gather(cover->far, enters & (rows * stride + columns));
+    const uint32_t bits = vi_bits(enters);
+    shb_list_unsorted *entries = &cover->unsorted;
+    vi_append((int32_t *)entries->cells, entries->count, (rows << bits_of_side) + columns, bits);
+    vi_append((int32_t *)(void *)entries->begins, entries->count, (vi)begin, bits);
+    vi_append((int32_t *)entries->triangles, entries->count,
+              vi_load((const int32_t *)b->numbers + i), bits);
+    entries->count += (size_t)__builtin_popcount(bits);
+}
+
+/* Puts the small triangles of a batch into the cells, all of them at the same time. */
+static inline void cover_small(shb_list_cover *cover, const list_batch *b) {
+    for (int row = 0; row < LIST_SMALL; row++)
+        for (int column = 0; column < LIST_SMALL; column++)
+            for (int i = 0; i < LIST_LANES; i += WIDE)
+                cover_cell_of_each(cover, b, column, row, i);
+}
+
 /* Puts a batch into the cells. False: no room for all the entries. */
 static inline __attribute__((always_inline)) bool cover_batch(shb_list_cover *cover,
                                                               bool with_sheets, list_batch *b) {
     const size_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
     const size_t room = (blocks * blocks + 1) * LIST_LANES; /* for one triangle */
+    const size_t room_for_small = (size_t)b->count * LIST_SMALL * LIST_SMALL + LIST_LANES;
     if (b->count == 0)
         return true;
     const size_t begin = cover->unsorted.count;
     put_functions(cover, with_sheets, b);
-    for (int t = 0; t < b->count; t++) {
+    uint32_t others = (1u << b->count) - 1;
+    if (!with_sheets) {
+        if (cover->unsorted.capacity - cover->unsorted.count < room_for_small)
+            return false;
+        others &= ~keep_small(b);
+        cover_small(cover, b);
+    }
+    for (; others; others &= others - 1) {
+        const int t = __builtin_ctz(others);
         if (cover->unsorted.capacity - cover->unsorted.count < room)
             return false;
         cover_windows(cover, with_sheets, b, t);
@@ -368,10 +429,11 @@ static void find_farthest(shb_list_cover *cover) {
 
 /* LIST_AHEAD: triangles that are fetched before they are used; LIST_SPELL: triangles after which
  * blocks are looked at anew, and the rest is left if all of them hide it. */
-enum { LIST_AHEAD = 12, LIST_SPELL = 64 };
+enum { LIST_AHEAD = 32, LIST_SPELL = 64 };
 
 static inline void fetch_covered(const shb_list_cover *cover, uint32_t number) {
     __builtin_prefetch(&cover->triangles[number]);
+    __builtin_prefetch(&cover->boxes[number]);
     if (cover->with_sheets)
         __builtin_prefetch(&cover->outlines[number]);
 }
@@ -380,10 +442,9 @@ static inline void fetch_covered(const shb_list_cover *cover, uint32_t number) {
 static void empty_cells(shb_list_cover *cover) {
     const size_t side = SHB_LIST_TILE >> cover->cell_bits, stride = side + SHB_LIST_BLOCK;
     cover->unsorted.count = 0;
-    cover->is_nearer = false;
+    cover->is_nearer = cover->is_hiding = false;
     for (int i = 0; i < LIST_LANES; i++)
         cover->lane_cells[i] = i / 4 * (int32_t)side + i % 4;
-    memset(cover->counts, 0, stride * stride * sizeof *cover->counts);
     for (size_t row = 0; row < stride; row++)
         for (size_t i = 0; i < stride; i++)
             cover->far[row * stride + i] = row < side && i < side ? HUGE_VALF : -HUGE_VALF;
@@ -398,11 +459,15 @@ static void sort_entries(shb_list_cover *cover) {
     const size_t side = SHB_LIST_TILE >> cover->cell_bits, stride = side + SHB_LIST_BLOCK;
     const shb_list_unsorted *made = &cover->unsorted;
     uint32_t next[SHB_LIST_TILE * SHB_LIST_TILE], sum = 0;
+    memset(next, 0, side * side * sizeof *next);
+    for (size_t i = 0; i < made->count; i++)
+        next[made->cells[i]]++;
     for (size_t row = 0; row < side; row++)
-        for (size_t i = 0; i < side; i++) {
-            cover->cells[row * side + i] = (shb_list_cell){sum, cover->far[row * stride + i]};
-            next[row * side + i] = sum;
-            sum += (uint32_t)cover->counts[row * stride + i];
+        for (size_t i = row * side; i < (row + 1) * side; i++) {
+            const uint32_t count = next[i];
+            next[i] = sum;
+            cover->cells[i] = (shb_list_cell){sum, cover->far[row * stride + i - row * side]};
+            sum += count;
         }
     cover->cells[side * side] = (shb_list_cell){.start = sum};
     for (size_t i = 0; i < made->count; i++)
@@ -440,6 +505,10 @@ static inline __attribute__((always_inline)) bool cover_by(shb_list_cover *cover
             continue;
         batch.numbers[batch.count] = number;
         batch.nearest[batch.count] = nearest;
+        batch.first_columns[batch.count] = (int32_t)cells.first_column;
+        batch.first_rows[batch.count] = (int32_t)cells.first_row;
+        batch.columns[batch.count] = (int32_t)(cells.last_column - cells.first_column);
+        batch.rows[batch.count] = (int32_t)(cells.last_row - cells.first_row);
         batch.cells[batch.count++] = cells;
         if (batch.count == LIST_LANES && !cover_batch(cover, with_sheets, &batch))
             return false;

@@ -61,10 +61,12 @@ static inline void vi_append(int32_t *list, size_t count, vi v, uint32_t bits) {
 #if WIDE >= 8
     vi_keep(list + count, 0, 0, v, bits);
 #else
+    typedef int32_t word __attribute__((may_alias));
+    word *const words = list; /* the list may hold floats */
     int32_t lanes[WIDE];
     memcpy(lanes, &v, sizeof lanes);
     for (int i = 0; i < WIDE; i++) {
-        list[count] = lanes[i];
+        words[count] = lanes[i];
         count += bits >> i & 1;
     }
 #endif

@@ -130,11 +130,11 @@ typedef struct shb_list_cover {
     bool with_sheets;     /* outlines are there, and the cells' sheets are wanted */
     shb_list_unsorted unsorted;
     float far[SHB_LIST_CELLS_MAX];                     /* behind it all of a cell is in shadow */
-    int32_t counts[SHB_LIST_CELLS_MAX];                /* of a cell's entries */
     shb_list_sheets sheets;                            /* with_sheets */
     float farthest[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS]; /* of the cells of windows that begin in each
                                                           block, SHB_LIST_BLOCKS a row */
     bool is_nearer;                                    /* some cells have become so since */
+    bool is_hiding;                                    /* some cell hides what lies behind */
     int32_t lane_cells[SHB_LIST_LANES];                /* of a window, from its first one on */
     /* what is made, without the rim */
     shb_list_cell *cells;                        /* and one for the end */
