@@ -290,10 +290,12 @@ static inline void vf_read_triples(const float *triples, vf out[3]) {
             out[k][i] = triples[3 * i + k];
 }
 static inline void vf_read_quads(const float *base, vu begin, vf out[4]) {
+    typedef float word __attribute__((may_alias));
+    const word *const words = base; /* which may be no floats */
     for (uint32_t k = 0; k < 4; k++) {
         vf numbers = {0};
         for (int i = 0; i < WIDE; i++)
-            numbers[i] = base[begin[i] + k];
+            numbers[i] = words[begin[i] + k];
         out[k] = numbers;
     }
 }
