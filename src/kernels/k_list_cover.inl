@@ -332,8 +332,8 @@ static inline void cover_cell_of_each(shb_list_cover *cover, const list_batch *b
     const vi inside = (vi_load(b->columns + i) >= column) & (vi_load(b->rows + i) >= row);
     if (!vi_any(inside))
         return;
-    const vi columns = vi_load(b->first_columns + i) + column;
-    const vi rows = vi_load(b->first_rows + i) + row;
+    const vi columns = (inside & vi_load(b->first_columns + i)) + column;
+    const vi rows = (inside & vi_load(b->first_rows + i)) + row;
     const float size = (float)(1 << cover->cell_bits);
     const vf x = size * __builtin_convertvector(columns, vf);
     const vf y = size * __builtin_convertvector(rows, vf);
@@ -348,7 +348,7 @@ static inline void cover_cell_of_each(shb_list_cover *cover, const list_batch *b
     const int stride = (1 << bits_of_side) + SHB_LIST_BLOCK;
     vi enters = inside & (most >= 0);
     if (cover->is_hiding)
-        enters &= begin <= vf_gather(cover->far, enters & (rows * stride + columns));
+        enters &= begin <= vf_gather(cover->far, rows * stride + columns);
     const uint32_t bits = vi_bits(enters);
     shb_list_unsorted *entries = &cover->unsorted;
     vi_append((int32_t *)entries->cells, entries->count, (rows << bits_of_side) + columns, bits);
