@@ -198,8 +198,8 @@ shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
  * - Triangles: walks over the mesh, from the triangles of the four nearest samples to the one that
  *   covers the fragment's own light ray, which decides; where the mesh ends or folds over on the
  *   way, as with planes. Edges are straight inside a texel, and closed meshes have no false shadow
- *   but where rounding of a position has moved its ray over an edge in grazing light (6 of 9
- * million points of random bodies; none of 19 million that were named by triangle and weights).
+ *   but where rounding of a position has moved its ray over an edge in grazing light: for 6 of 9
+ *   million points of random bodies, and none of 19 million named by triangle and weights.
  * - Lists: the answer of a ray caster, at any map size, from the position alone.
  * In the taps of a filter, an occluder that is the fragment's own surface, bent between fragment
  * and tap, casts no shadow: triangles follow the surface over the mesh; planes do over neighbouring
