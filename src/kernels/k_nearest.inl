@@ -12,6 +12,11 @@ static inline ALWAYS_INLINE uint64_t bits_at(uint32_t bits, size_t i) {
     return (uint64_t)bits << i % SHB_LIST_GROUP;
 }
 
+/* The first so many bits. */
+static inline ALWAYS_INLINE uint64_t bits_below(size_t count) {
+    return count ? UINT64_MAX >> (64 - count) : 0;
+}
+
 /* Where in the map's texels the samples of points lie. */
 typedef struct sample_places {
     int32_t near[SHB_LIST_GROUP];     /* the left one of those in the point's own row */

@@ -33,11 +33,6 @@ typedef struct walking {
     uint32_t points[WALKING_ROOM]; /* in the batch */
 } walking;
 
-/* Bits of so many walks. */
-static inline ALWAYS_INLINE uint64_t bits_below(size_t count) {
-    return count ? UINT64_MAX >> (64 - count) : 0;
-}
-
 static inline ALWAYS_INLINE wd corner_of(wd number, const wd corners[3]) {
     return wd_where_equal(number, wd_splat(0.0), corners[0],
                           wd_where_equal(number, wd_splat(1.0), corners[1], corners[2]));
@@ -307,13 +302,13 @@ static inline ALWAYS_INLINE step_bits step_walking(const shb_map *map, uint64_t 
 
 static void tell_met(const shb_map *map, double rounding, met_triangles *met,
                      shb_walk_crowd *crowd) {
-    uint32_t points[SHB_LIST_GROUP];
-    memcpy(points, met->points, sizeof points);
     const side_bits sides = compare_met(map, rounding, met);
     for (uint64_t left = sides.in_front; left; left &= left - 1)
-        crowd->are_shadowed[points[__builtin_ctzll(left)]] = true;
+        crowd->are_shadowed[met->points[__builtin_ctzll(left)]] = true;
     for (uint64_t left = sides.in_front | sides.own | sides.behind; left; left &= left - 1)
-        crowd->are_known[points[__builtin_ctzll(left)]] = true;
+        crowd->are_known[met->points[__builtin_ctzll(left)]] = true;
+    met->count = 0;
+    met->own = 0;
 }
 
 static void take_met(const shb_map *map, double rounding, const shb_exact_points *points,

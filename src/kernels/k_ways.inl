@@ -60,10 +60,10 @@ static inline ALWAYS_INLINE void add_met(const shb_exact_points *points, uint32_
     met->points[n] = point;
 }
 
-/* Empties the triangles, of which there are some. */
+/* There are some. */
 static inline ALWAYS_INLINE side_bits compare_met(const shb_map *map, double rounding,
                                                   met_triangles *met) {
-    const uint64_t all = UINT64_MAX >> (SHB_LIST_GROUP - met->count);
+    const uint64_t all = bits_below(met->count);
     for (size_t i = met->count; i % SHB_LANES; i++) {
         for (int k = 0; k < 3; k++)
             met->world[k][i] = met->world[k][met->count - 1];
@@ -72,8 +72,6 @@ static inline ALWAYS_INLINE side_bits compare_met(const shb_map *map, double rou
     const double *const world[3] = {met->world[0], met->world[1], met->world[2]};
     side_bits sides = find_sides(map, rounding, world, met->ids, all & ~met->own);
     sides.own |= met->own;
-    met->count = 0;
-    met->own = 0;
     return sides;
 }
 
