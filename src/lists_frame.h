@@ -52,8 +52,12 @@ static inline double shb_list_row(const double row[4], double x, double y, doubl
     return ((row[0] * x + row[1] * y) + row[2] * z) + row[3];
 }
 
-/* A bound of the depths of a level: grows with it, and is not above any of them. */
+/* A bound of the depths of a level: grows with it, and is not above any of them. What the near
+ * plane cuts may begin before all vertices that lie behind it, and so before the origin of levels.
+ */
 static inline double shb_list_level_depth(const shb_list_frame *frame, double level) {
+    if (level < 1)
+        return -HUGE_VAL;
     const double depth = frame->level_origin + (level - 1) * frame->level_size;
     return depth - 0x1p-22 * fabs(depth);
 }

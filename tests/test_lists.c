@@ -236,6 +236,32 @@ TEST(triangles_across_the_near_plane_block_behind_it) {
     }
 }
 
+/* Two slopes, one below the other, from y = 5 down to y = -5 through the near plane at y = 0: their
+ * parts behind it begin nearer to the light than any corner there. */
+TEST(what_the_near_plane_cuts_blocks_before_all_corners_behind_it) {
+    soup s = {0};
+    for (int lower = 0; lower < 2; lower++) {
+        const float y = lower ? -0.5f : 0;
+        soup_add(&s, (float[]){-4, y + 5, 0}, (float[]){6, y - 5, 3}, (float[]){6, y - 5, -3});
+    }
+    const shb_vec3 eye = {0, 0, 0}, below = {0, -1, 0}, up = {0, 0, 1};
+    shb_context *context = lists_context(1);
+    for (int reversed = 0; reversed < 2; reversed++) {
+        shb_view view;
+        CHECK_INT(shb_view_orthographic(eye, below, up, 8, 8, 0, 20, reversed, &view), SHB_OK);
+        shb_lists *lists = lists_of(context, &view, 16, soup_scene(&s));
+        for (double x = 1.25; x < 6; x += 0.25) {
+            float upper, lower;
+            lists_ask_one(lists, x, 1 - x, 0, &upper);
+            lists_ask_one(lists, x, 0.5 - x, 0, &lower);
+            CHECK(upper == 1 && lower == 0);
+        }
+        shb_lists_destroy(lists);
+    }
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
 /* Two level plates a gap apart, turned so that nothing is exact; ids 0, 1 below and 2, 3 above. */
 static void add_plates(soup *s, float gap) {
     for (int plate = 0; plate < 2; plate++) {
