@@ -22,16 +22,27 @@ static double texel_width(const double *row, const double *row_w, double texels)
     return 2 / texels / sqrt(shb_dot(across, across));
 }
 
+/* Depth along a light's ray is a constant plus this over w. It is what row z makes of the light's
+ * own position, which a row that is slope * (row w) + rest tells without rounding of that position:
+ * rest. Where the near plane is not parallel to the map, row z holds other rows as well. */
+static double depth_at_light(const shb_projection *p, double ww) {
+    const double slope = shb_dot(p->row_z, p->row_w) / ww;
+    const double rest = p->row_z[3] - slope * p->row_w[3];
+    double others = 0, size = fabs(rest);
+    for (int i = 0; i < 3; i++) {
+        others += (p->row_z[i] - slope * p->row_w[i]) * p->light[i];
+        size += (fabs(p->row_z[i]) + fabs(slope * p->row_w[i])) * fabs(p->light[i]);
+    }
+    return fabs(others) > 0x1p-30 * size ? rest + others : rest;
+}
+
 /* Canonical depth per world unit away from the light, times w^2.
- * Central: row z is slope * (row w) + rest, where only the constant part of the rest counts, so
- * that depth = slope + rest / w; w grows by |row w| per unit of distance along the light's axis.
+ * Central: w grows by |row w| per unit of distance along the light's axis.
  * Parallel: w is constant and depth changes along the light's direction. */
 static double depth_scale(const shb_projection *p) {
     const double ww = shb_dot(p->row_w, p->row_w);
-    if (ww > 0) {
-        const double rest = p->row_z[3] - shb_dot(p->row_z, p->row_w) / ww * p->row_w[3];
-        return -p->sign * rest * sqrt(ww);
-    }
+    if (ww > 0)
+        return -p->sign * depth_at_light(p, ww) * sqrt(ww);
     return -p->sign * shb_dot(p->row_z, p->light) * p->row_w[3];
 }
 

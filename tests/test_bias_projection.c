@@ -200,6 +200,23 @@ TEST(texel_size_of_an_off_centre_frustum) {
     CHECK_NEAR(project(view, 4, 8, (shb_vec3){-1.5, 1, 1}).texel_size, 1.5, 0);
 }
 
+/* A spot at (3, 0, 4) looking down, w = 4 - z, whose near plane is tilted about the y axis: depth
+ * is 1.5 + tilt * x / w - 1.5 / w, x counted from the spot, and so grows along any ray as it does
+ * without the tilt. */
+TEST(depth_per_world_of_an_oblique_near_plane) {
+    for (int reversed = 0; reversed < 2; reversed++)
+        for (double tilt = -1; tilt <= 1; tilt += 0.5) {
+            const double sign = reversed ? -1 : 1;
+            const double rows[4][4] = {{1, 0, 0, -3},
+                                       {0, 1, 0, 0},
+                                       {sign * tilt, 0, reversed ? 0.5 : -1.5,
+                                        sign * (4.5 - 3 * tilt) + (reversed ? 4 : 0)},
+                                       {0, 0, -1, 4}};
+            const probe seen = project(probe_view(rows, reversed), 8, 8, (shb_vec3){3.25, 0, 1});
+            CHECK_NEAR(seen.depth_per_world, 1.5 / 9, 1e-7);
+        }
+}
+
 TEST(a_directional_light_has_one_direction) {
     shb_view view;
     shb_view_orthographic((shb_vec3){3, 0, 4}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0}, 9, 9, 1,

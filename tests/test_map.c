@@ -169,6 +169,12 @@ TEST(maps_refuse_bad_descriptions) {
         desc.view = probe_perspective(reversed);
         desc.view.reversed = !reversed;
         refuse(&host, &desc, SHB_ERROR_NUMBER, "desc.view.reversed");
+        /* The light at (3, 0, 4), the near plane askew: depth less x / w. */
+        double *m = desc.view.clip_from_world.m;
+        m[2] -= reversed ? -1 : 1;
+        m[12] -= 3 * m[0];
+        m[14] -= 3 * m[2];
+        refuse(&host, &desc, SHB_ERROR_NUMBER, "desc.view.reversed");
     }
     CHECK_INT(shb_map_create(host.context, &desc, NULL), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_map_wrap(host.context, &desc, nowhere, 0, NULL, NULL), SHB_ERROR_ARGUMENT);
