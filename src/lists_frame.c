@@ -97,7 +97,8 @@ static double row_rounding(const shb_list_frame *frame, int row) {
 
 void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_extent extents[]) {
     const shb_list_extent all = join(count, extents);
-    frame->reach = all.reach;
+    /* Below FLT_MIN floats have no finer steps, and points are rounded as there. */
+    frame->reach = all.reach > (double)FLT_MIN ? all.reach : (double)FLT_MIN;
     for (int r = 0; r < 4; r++) {
         frame->errors[r] = PROJECTION_ROUNDING * shb_list_row_size(frame->rows[r], frame->reach);
         if (r != 2)

@@ -212,6 +212,36 @@ TEST(points_that_the_light_cannot_see_are_unsure) {
     soup_free(&s);
 }
 
+/* Two level plates of so small a size that a step from one float to the next is two texels. */
+TEST(points_are_unsure_where_floats_have_no_finer_steps) {
+    const float step = 0x1p-149f;
+    const shb_vec3 above = {0, 0x1p-144, 0}, down = {0, 0, 0}, north = {0, 0, -1};
+    soup s = {0};
+    for (int plate = 0; plate < 2; plate++) {
+        const float half = (float)(plate ? 4 : 12) * step, y = (float)(4 * plate) * step;
+        soup_add_quad(&s, (float[]){-half, y, half}, (float[]){half, y, half},
+                      (float[]){half, y, -half}, (float[]){-half, y, -half});
+    }
+    shb_view view;
+    CHECK_INT(
+        shb_view_orthographic(above, down, north, 0x1p-145, 0x1p-145, 0, 0x1p-143, false, &view),
+        SHB_OK);
+    shb_context *context = lists_context(1);
+    for (int with_lists = 0; with_lists < 2; with_lists++) {
+        shb_map *map = draw_kind(context, &view, 64, 64, soup_scene(&s), with_lists);
+        for (int x = -11; x < 12; x++) {
+            const float position[3] = {(float)x * step, 0, step};
+            const shb_points point = {.count = 1, .positions = position};
+            uint8_t answer;
+            CHECK_INT(shb_map_classify(map, &point, &answer), SHB_OK);
+            CHECK_INT(answer, SHB_LIGHT_UNSURE);
+        }
+        shb_map_destroy(map);
+    }
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
 /* A blade over a floor at z = 2, from (-0.3, 2.5) to (1.5, 5.5) in x and z and 0.6 wide, through
  * the near plane and, with the spot, past the light. What the near plane leaves of it ends at x =
  * 0.6; seen from the spot at x = 0, its lower end 0.4 about the axis on the floor and its upper one
