@@ -166,7 +166,10 @@ shb_result shb_view_fit_spot(shb_vec3 position, shb_box bounds, uint32_t map_siz
     const shb_mat4 eye_from_world = shb_mat4_look_at(position, box_centre(bounds), no_up);
     const box_appearance seen = look_at_box(&eye_from_world, bounds);
     const double texels = (double)map_size;
-    const double tangent = larger(seen.tangent, THINNEST) * (texels / (texels - 2 * MARGIN_TEXELS));
+    const double reach =
+        larger(largest_size(position), larger(largest_size(bounds.lo), largest_size(bounds.hi)));
+    const double thinnest = THINNEST * larger(reach / seen.nearest, 1);
+    const double tangent = larger(seen.tangent, thinnest) * (texels / (texels - 2 * MARGIN_TEXELS));
     const double widest = 11.430052302761343; /* tan 85 degrees */
     /* Seen from inside, a box has a corner beside or behind the eye. */
     if (!(seen.nearest > 0 && tangent <= widest))

@@ -382,6 +382,19 @@ TEST(spot_fit_of_degenerate_boxes_is_usable) {
         }
 }
 
+/* Far from the origin, where coordinates resolve 1e-7 of the distance. */
+TEST(spot_fit_of_a_distant_point_holds_it) {
+    const shb_vec3 place = {1e9, -2e9, 3e9}, eye = {1e9 + 0.75, -2e9 + 0.25, 3e9 + 1.5};
+    const shb_box point = {place, place};
+    for (int s = 0; s < 5; s++) {
+        shb_view view;
+        CHECK_INT(shb_view_fit_spot(eye, point, map_sizes[s], s % 2, &view), SHB_OK);
+        const box_fit fit = fit_of(&view, point, map_sizes[s]);
+        CHECK(fit.margin >= 1.5);
+        CHECK(fit.nearest > 0 && fit.farthest < 1);
+    }
+}
+
 TEST(light_source_of_cameras) {
     test_random random = {16};
     for (int i = 0; i < 500; i++) {
