@@ -136,15 +136,17 @@ readme-report: $(BUILD)/report
 VERSION = $(shell awk '/_VERSION_/ { text = text dot $$3; dot = "." } END { print text }' \
 	include/shadowbias/base.h)
 
+ROOT = $(DESTDIR)$(PREFIX)
+
 install: $(LIBRARY)
-	$(Q)mkdir -p $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include/shadowbias
-	$(Q)cp $(LIBRARY) $(DESTDIR)$(PREFIX)/lib/
-	$(Q)cp include/shadowbias/*.h $(DESTDIR)$(PREFIX)/include/shadowbias/
+	$(Q)mkdir -p "$(ROOT)/lib/pkgconfig" "$(ROOT)/include/shadowbias"
+	$(Q)cp $(LIBRARY) "$(ROOT)/lib/"
+	$(Q)cp include/shadowbias/*.h "$(ROOT)/include/shadowbias/"
 	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'Name: shadowbias' 'Description: shadow maps on the CPU' \
 		"Version: $(VERSION)" 'Cflags: -I$${prefix}/include' \
 		'Libs: -L$${prefix}/lib -lshadowbias -lm -pthread' \
-		>$(DESTDIR)$(PREFIX)/lib/pkgconfig/shadowbias.pc
-	@echo "installed to $(DESTDIR)$(PREFIX)"
+		>"$(ROOT)/lib/pkgconfig/shadowbias.pc"
+	@echo "installed to $(ROOT)"
 
 clean:
 	$(Q)rm -rf build
