@@ -56,6 +56,14 @@ static shb_result draw_picture(shb_context *context, const shb_view *camera, con
     return result ? result : shb_shade(context, &shade);
 }
 
+static bool write_picture(const char *path) {
+    const shb_image image = {pixels[0][0], width, height, 0};
+    const shb_result result = shb_image_write_ppm(&image, path);
+    if (result)
+        fprintf(stderr, "%s: %s\n", path, shb_result_string(result));
+    return !result;
+}
+
 int main(int argc, char **argv) {
     if (argc > 2 || (argc == 2 && argv[1][0] == '-')) {
         fprintf(stderr, "usage: picture [FILE.ppm]\n");
@@ -79,10 +87,8 @@ int main(int argc, char **argv) {
                 !shb_context_create(&context_desc, &context) &&
                 !shb_map_create(context, &map_desc, &map) && !draw_map(map, &scene, &filter);
     const shb_shade_light lamp = {map, &bias, &filter, {1, 0.95f, 0.85f}};
-    const shb_image image = {pixels[0][0], width, height, 0};
-    done = done && !draw_picture(context, &camera, &scene, &lamp) &&
-           !shb_image_write_ppm(&image, argc > 1 ? argv[1] : "picture.ppm");
+    done = done && !draw_picture(context, &camera, &scene, &lamp);
     shb_map_destroy(map);
     shb_context_destroy(context);
-    return done ? 0 : 1;
+    return done && write_picture(argc > 1 ? argv[1] : "picture.ppm") ? 0 : 1;
 }
