@@ -85,43 +85,40 @@ static bool keep_rows(const report_options *options, const char *settings, const
     return tool_succeeds("report", path, report_rows_replace(rows, path) ? SHB_OK : SHB_ERROR_FILE);
 }
 
-static bool add_peers(const report_command *command, const char *path, peer_rows *peers) {
-    if (!command->peers)
+static bool read_peers(const char *path, peer_rows *peers) {
+    if (!path || report_peers_read(peers, path))
         return true;
-    return tool_succeeds("report", command->peers,
-                         report_peers_read(peers, command->peers) ? SHB_OK : SHB_ERROR_FILE) &&
-           tool_succeeds("report", path,
-                         report_peers_append(peers, path) ? SHB_OK : SHB_ERROR_FILE);
+    fprintf(stderr, "report: %s: it cannot be read\n", path);
+    return false;
 }
 
 /* The page and what else is made of all rows, which get their means. */
 static bool show_rows(const report_command *command, const char *settings, const char *path,
-                      report_rows *rows) {
+                      report_rows *rows, const peer_rows *peers) {
     const report_readme readme = {rows, settings, command->readme, command->figures};
-    peer_rows peers = {0};
-    const bool done =
-        add_peers(command, path, &peers) &&
-        tool_succeeds("report", "means", report_add_means(rows) ? SHB_OK : SHB_ERROR_MEMORY) &&
-        write_page(&command->options, settings, rows, &peers) &&
-        (!command->readme || report_readme_write(&readme));
-    free(peers.rows);
-    return done;
+    return tool_succeeds("report", path,
+                         report_peers_append(peers, path) ? SHB_OK : SHB_ERROR_FILE) &&
+           tool_succeeds("report", "means", report_add_means(rows) ? SHB_OK : SHB_ERROR_MEMORY) &&
+           write_page(&command->options, settings, rows, peers) &&
+           (!command->readme || report_readme_write(&readme));
 }
 
 static bool write_report(shb_context *context, report_command *command) {
     report_options *options = &command->options;
     char path[512], settings[192];
     report_rows rows = {0};
+    peer_rows peers = {0};
     snprintf(path, sizeof path, "%s/report.tsv", options->directory);
     report_settings(options, context, settings, sizeof settings);
     options->fresh |= is_outdated(path);
-    bool done = keep_rows(options, settings, path, &rows) &&
+    bool done = read_peers(command->peers, &peers) && keep_rows(options, settings, path, &rows) &&
                 report_survey(context, options, settings, path, &rows);
     if (done)
         printf("%zu rows: %s\n", rows.count, path);
     done = done && report_studies_run(context, options, settings) &&
-           show_rows(command, settings, path, &rows);
+           show_rows(command, settings, path, &rows, &peers);
     report_rows_free(&rows);
+    free(peers.rows);
     return done;
 }
 
