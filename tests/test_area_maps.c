@@ -281,6 +281,57 @@ TEST(maps_answer_the_same_for_any_number_of_threads) {
     soup_free(&s);
 }
 
+static void show_normal(const shb_filter_args *args) {
+    for (size_t i = 0; i < args->count; i++)
+        args->visibility[i] = args->receivers->normal_x[i];
+}
+
+TEST(maps_are_asked_with_each_points_own_normal) {
+    enum { COUNT = 5000, STRIDE = 4 };
+    static float positions[COUNT * 3], normals[COUNT * STRIDE], visibility[COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        positions[3 * i] = (float)(i % 100) / 100;
+        normals[STRIDE * i] = 0.5f * (float)i / COUNT;
+        normals[STRIDE * i + 2] = sqrtf(1 - normals[STRIDE * i] * normals[STRIDE * i]);
+    }
+    soup s = {0};
+    add_roof(&s, 0);
+    const shb_filter filter = {.filter = show_normal, .needs = SHB_NEEDS_NORMAL};
+    const shb_bias none = shb_bias_none();
+    shb_area_desc desc = describe(&s, &none, look_down(false), 8, 1);
+    desc.area.u = desc.area.v = (shb_vec3){0};
+    desc.filter = &filter;
+    const shb_points points = {.count = COUNT,
+                               .positions = positions,
+                               .normals = normals,
+                               .normal_stride = STRIDE * sizeof(float)};
+    shb_context *context = test_context(1, SHB_ISA_BEST);
+    CHECK_INT(shb_area_visibility(context, &desc, &points, visibility), SHB_OK);
+    for (int i = 0; i < COUNT; i++)
+        CHECK_NEAR(visibility[i], normals[STRIDE * i], 1e-6);
+    soup_free(&s);
+    shb_context_destroy(context);
+}
+
+/* Seen from there the roof ends at x = 0. */
+TEST(a_single_sample_is_the_middle_of_the_light) {
+    soup s = {0};
+    add_roof(&s, 0);
+    const shb_bias none = shb_bias_none();
+    shb_context *context = test_context(1, SHB_ISA_BEST);
+    for (int disk = 0; disk < 2; disk++) {
+        shb_area_desc desc = describe(&s, &none, look_down(false), 512, 1);
+        desc.area.disk = disk;
+        float positions[3 * POINTS], visibility[POINTS];
+        place_across(positions, -0.7, 0.7);
+        CHECK_INT(ask(context, &desc, positions, visibility), SHB_OK);
+        for (int i = 0; i < POINTS; i++)
+            CHECK(visibility[i] == (i < POINTS / 2 ? 0 : 1));
+    }
+    soup_free(&s);
+    shb_context_destroy(context);
+}
+
 TEST(maps_of_area_lights_refuse_bad_arguments) {
     shb_context *context = test_context(1, SHB_ISA_BEST);
     soup s = {0};

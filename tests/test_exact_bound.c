@@ -9,9 +9,12 @@
 #include "soup.h"
 #include "test.h"
 
+#include "shadowbias/clusters.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct bound_light {
     shb_context *context;
@@ -367,4 +370,36 @@ TEST(no_plane_through_window_corners_misses_its_triangle_by_more_than_the_bound)
         printf("%ld planes in windows, at most %g of the bound, %ld without one\n", misses.tested,
                misses.largest, unknown);
     CHECK(misses.tested > samples / 64 && unknown > samples / 32);
+}
+
+/* One triangle lies far out, on either side and in the first or the last cluster. */
+TEST(clusters_have_the_corner_errors_of_their_mesh) {
+    enum { TRIANGLES = 400 };
+    static float positions[9 * TRIANGLES];
+    test_random random = {29};
+    bound_light light;
+    open_light(&light, &random, 1, 0, SHB_FORMAT_FLOAT32);
+    const shb_view *view = &light.map->info.view;
+    const shb_target target = shb_target_of(256, 256, false);
+    shb_mesh mesh = {
+        .positions = positions, .vertex_count = 3 * TRIANGLES, .triangle_count = TRIANGLES};
+    for (int kind = 0; kind < 4; kind++) {
+        for (int i = 0; i < 9 * TRIANGLES; i++)
+            positions[i] = (float)random_double(&random, -0.1, 0.1);
+        for (int k = 0; k < 3; k++)
+            positions[k + (kind & 1 ? 9 * (TRIANGLES - 1) : 0)] = kind & 2 ? -0.5f : 0.5f;
+        shb_clusters *clusters = NULL;
+        CHECK_INT(shb_clusters_create(light.context, &mesh, &clusters), SHB_OK);
+        shb_mesh with = mesh;
+        with.clusters = clusters;
+        shb_draw_instance instance = {.mesh = &mesh,
+                                      .world_from_mesh = shb_mat4_identity(),
+                                      .clip_from_mesh = view->clip_from_world};
+        const shb_corner_errors expected = shb_corner_errors_of(&target, view, &instance);
+        instance.mesh = &with;
+        const shb_corner_errors errors = shb_corner_errors_of(&target, view, &instance);
+        CHECK(expected.x < 1 && memcmp(&errors, &expected, sizeof errors) == 0);
+        shb_clusters_destroy(clusters);
+    }
+    close_light(&light);
 }

@@ -150,6 +150,9 @@ TEST(maps_refuse_bad_descriptions) {
     desc = plain_desc();
     desc.format = (shb_format)3;
     refuse(&host, &desc, SHB_ERROR_ARGUMENT, "desc.format 3");
+    desc = plain_desc();
+    desc.occluders = (shb_occluders)4;
+    refuse(&host, &desc, SHB_ERROR_ARGUMENT, "desc.occluders 4");
     const double scales[] = {-1, nan(""), HUGE_VAL};
     for (int i = 0; i < 3; i++) {
         desc = plain_desc();

@@ -450,6 +450,9 @@ TEST(light_source_refuses_what_is_no_view) {
     CHECK_INT(shb_view_light_source(&view, &source), SHB_ERROR_NUMBER);
     view.clip_from_world = shb_mat4_scaling(1, 0, 1);
     CHECK_INT(shb_view_light_source(&view, &source), SHB_ERROR_NUMBER);
+    /* a point at x = 1e310 */
+    view.clip_from_world = (shb_mat4){{1e-10, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, -1e300, 0, 1, 1}};
+    CHECK_INT(shb_view_light_source(&view, &source), SHB_ERROR_NUMBER);
     CHECK(source.w == 7 && source.position.z == 7);
     view.clip_from_world = shb_mat4_identity();
     CHECK_INT(shb_view_light_source(NULL, &source), SHB_ERROR_ARGUMENT);
