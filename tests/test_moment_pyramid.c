@@ -123,6 +123,33 @@ TEST(boxes_of_every_level_hold_the_moments_of_their_texels) {
         }
 }
 
+/* A part of a high map, as a map of its own, has the same boxes but for those at its ends. */
+TEST(rows_of_a_high_image_are_those_of_its_parts) {
+    enum { WIDTH = 9, HEIGHT = 600, PART = 60, SIZE = 5, TEXEL = 4, ROW = (WIDTH + 2) * TEXEL };
+    static float depths[WIDTH * HEIGHT];
+    fill(depths, WIDTH * HEIGHT);
+    const shb_map_desc desc = {.view = probe_orthographic(false), .width = WIDTH, .height = HEIGHT};
+    shb_map_desc part_desc = desc;
+    part_desc.height = PART;
+    depth_map host = depth_map_open(NULL, &desc, depths);
+    const shb_distance distance = shb_distance_of(host.map);
+    shb_moment_image image = {.count = TEXEL}, part = {.count = TEXEL};
+    CHECK(shb_moment_image_create(host.map, &image));
+    shb_moment_image_fill(host.map, &distance, SIZE, &image);
+    for (int top = 0; top <= HEIGHT - PART; top += PART / 2) {
+        depth_map part_host = depth_map_open(NULL, &part_desc, depths + top * WIDTH);
+        CHECK(shb_moment_image_create(part_host.map, &part));
+        shb_moment_image_fill(part_host.map, &distance, SIZE, &part);
+        for (int row = SIZE; row < PART - SIZE; row++)
+            CHECK(memcmp(part.texels + row * ROW, image.texels + (top + row) * ROW,
+                         ROW * sizeof *image.texels) == 0);
+        shb_moment_image_destroy(part_host.map, &part);
+        depth_map_close(&part_host);
+    }
+    shb_moment_image_destroy(host.map, &image);
+    depth_map_close(&host);
+}
+
 /* A mixture of boxes of two sizes, each between the four that lie around the fragment. */
 typedef struct mixture {
     double x, y, coarser;

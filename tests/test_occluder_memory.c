@@ -73,6 +73,30 @@ TEST(planes_take_nothing_beside_the_texels) {
     close_host(&h);
 }
 
+/* Of 64 texels in padded rows; and 24 bytes a triangle, 24 a vertex, to know the scene again. */
+TEST(classifying_takes_four_bytes_a_texel_and_the_scene) {
+    soup s = {0};
+    add_plate(&s, 0.5f);
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    size_t created[2], drawn[2];
+    for (int classifies = 0; classifies < 2; classifies++) {
+        shb_map *map = NULL;
+        const shb_map_desc desc = {
+            .view = probe_orthographic(false), .width = SIZE, .classifies = classifies};
+        CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+        created[classifies] = shb_map_get_info(map)->memory_bytes;
+        CHECK_INT(shb_map_draw(map, soup_scene(&s), NULL, NULL), SHB_OK);
+        drawn[classifies] = shb_map_get_info(map)->memory_bytes;
+        shb_map_destroy(map);
+    }
+    CHECK_INT(created[1] - created[0], SIZE * (4 * SIZE + 64));
+    CHECK_INT(drawn[0], created[0]);
+    CHECK_INT(drawn[1] - created[1], 4 * 24 + 8 * 24);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
 TEST(what_was_prepared_counts_on_when_occluders_are_drawn_again) {
     soup s = {0};
     add_plate(&s, 0.5f);
