@@ -121,6 +121,17 @@ static size_t count_vertices(const shb_scene *scene, size_t *largest) {
     return all;
 }
 
+/* Gives back what welded vertices took; false: out of memory. */
+static bool fit_positions(const shb_context *context, shb_topology *t) {
+    double(*const kept)[3] = shb_alloc(context, t->vertex_count + 1, sizeof *kept);
+    if (!kept)
+        return false;
+    memcpy(kept, t->positions, t->vertex_count * sizeof *kept);
+    shb_free(context, t->positions);
+    t->positions = kept;
+    return true;
+}
+
 static bool weld_scene(const shb_context *context, const shb_scene *scene, shb_topology *t) {
     size_t largest;
     const size_t vertices = count_vertices(scene, &largest), size = table_size(vertices);
@@ -129,7 +140,7 @@ static bool weld_scene(const shb_context *context, const shb_scene *scene, shb_t
                         .welded = shb_alloc(context, largest, sizeof *table.welded),
                         .topology = t};
     t->positions = shb_alloc(context, vertices + 1, sizeof *t->positions);
-    const bool done = table.slots && table.welded && t->positions;
+    bool done = table.slots && table.welded && t->positions;
     if (done) {
         memset(table.slots, 0xff, size * sizeof *table.slots);
         uint32_t(*corners)[3] = t->corners;
@@ -140,6 +151,8 @@ static bool weld_scene(const shb_context *context, const shb_scene *scene, shb_t
     }
     shb_free(context, table.slots);
     shb_free(context, table.welded);
+    if (done && t->vertex_count < vertices)
+        done = fit_positions(context, t);
     return done;
 }
 

@@ -4,6 +4,8 @@
 #include "soup.h"
 #include "test.h"
 
+#include <stdlib.h>
+
 enum { SIZE = 64 };
 
 typedef struct host {
@@ -149,4 +151,48 @@ TEST(triangles_follow_a_scene_that_changes_and_come_back) {
     soup_free(&high);
     soup_free(&low);
     close_host(&h);
+}
+
+/* Bytes that a host has given and not got back. The size lies before each allocation. */
+static void *give(void *user, size_t size, size_t alignment) {
+    size_t *const given = user;
+    void *memory = NULL;
+    if (posix_memalign(&memory, alignment, size + 64))
+        return NULL;
+    *(size_t *)memory = size;
+    *given += size;
+    return (char *)memory + 64;
+}
+
+static void take_back(void *user, void *memory) {
+    size_t *const given = user;
+    void *const begin = (char *)memory - 64;
+    *given -= *(size_t *)begin;
+    free(begin);
+}
+
+/* Of a mesh whose triangles share no vertices. The map itself takes less than 8 KB, and lists have
+ * some room to spare. */
+TEST(a_map_tells_the_memory_that_it_gives_back) {
+    soup s = {0};
+    soup_add_ball(&s, (float[]){0, 0, 0}, 60, 30, NULL);
+    for (int i = 0; i < 8; i++) {
+        size_t given = 0;
+        shb_context *context = NULL;
+        shb_map *map = NULL;
+        const shb_context_desc desc = {.allocator = {give, take_back, &given}, .threads = 1};
+        CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+        const shb_map_desc map_desc = {.view = probe_orthographic(false),
+                                       .width = SIZE,
+                                       .occluders = (shb_occluders)(i / 2),
+                                       .classifies = i % 2};
+        CHECK_INT(shb_map_create(context, &map_desc, &map), SHB_OK);
+        CHECK_INT(shb_map_draw(map, soup_scene(&s), NULL, NULL), SHB_OK);
+        const size_t told = shb_map_get_info(map)->memory_bytes, before = given;
+        shb_map_destroy(map);
+        CHECK(before - given >= told && before - given < told + told / 16 + 8192);
+        shb_context_destroy(context);
+        CHECK_INT(given, 0);
+    }
+    soup_free(&s);
 }
