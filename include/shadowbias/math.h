@@ -30,11 +30,11 @@ shb_mat4 shb_mat4_multiply(shb_mat4 a, shb_mat4 b);
 shb_mat4 shb_mat4_translation(double x, double y, double z);
 shb_mat4 shb_mat4_scaling(double x, double y, double z);
 
-/* Counter-clockwise rotation by an angle in radians about an axis of any length but 0. */
+/* Right-handed rotation by an angle in radians about an axis of any length but 0. */
 shb_mat4 shb_mat4_rotation(shb_vec3 axis, double angle);
 
-/* World to eye space: the eye looks along -z with y up. If up is parallel to the direction of view,
- * the coordinate axis least parallel to it takes its place. */
+/* World to eye space: the eye looks along -z, y up, at a target that is elsewhere. If up is zero or
+ * parallel to the way there, the coordinate axis least parallel to it takes its place. */
 shb_mat4 shb_mat4_look_at(shb_vec3 eye, shb_vec3 target, shb_vec3 up);
 
 /* Eye to clip space. vertical_angle in radians, in (0, pi); aspect is width / height; distances in
@@ -42,11 +42,11 @@ shb_mat4 shb_mat4_look_at(shb_vec3 eye, shb_vec3 target, shb_vec3 up);
 shb_mat4 shb_mat4_perspective(double vertical_angle, double aspect, double near_distance,
                               double far_distance, bool reversed);
 
-/* Eye to clip space for a box of these half sizes in front of the eye, near < far, both finite. */
+/* Eye to clip space for a box of half sizes above 0, in world units; near < far, both finite. */
 shb_mat4 shb_mat4_orthographic(double half_width, double half_height, double near_distance,
                                double far_distance, bool reversed);
 
-/* The inverse, or SHB_ERROR_NUMBER when a is singular or not finite. */
+/* The inverse; SHB_ERROR_NUMBER if a is singular or not finite, SHB_ERROR_ARGUMENT for NULL. */
 shb_result shb_mat4_inverse(shb_mat4 a, shb_mat4 *inverse);
 
 shb_vec3 shb_vec3_add(shb_vec3 a, shb_vec3 b);

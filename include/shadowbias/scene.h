@@ -45,9 +45,9 @@ typedef struct shb_scene {
     size_t instance_count;
 } shb_scene;
 
-/* Checks every field, index and transform of the scene against the rules above. Drawing checks all
- * but the indices, which take a pass over them: call this once for meshes from a source you do not
- * trust. */
+/* Checks every field, index and transform of the scene against the rules above: SHB_ERROR_ARGUMENT,
+ * SHB_ERROR_SIZE, SHB_ERROR_NUMBER (transform). Drawing checks all but the indices, which take a
+ * pass over them: call this once for meshes from a source you do not trust. */
 shb_result shb_scene_validate(const shb_scene *scene);
 
 /* The number of triangles; 0 for a scene that drawing would refuse. */
@@ -59,7 +59,7 @@ shb_result shb_scene_bounds(const shb_scene *scene, shb_box *bounds);
 
 /* The three corners of a triangle in world units, in mesh order: float position times transform, in
  * double. SHB_ERROR_ARGUMENT if the scene has no such id or an index of the triangle is out of
- * range. Cost grows with the number of instances. */
+ * range, others as shb_scene_validate. Cost grows with the number of instances. */
 shb_result shb_scene_triangle(const shb_scene *scene, uint32_t id, shb_vec3 corners[3]);
 
 #ifdef __cplusplus

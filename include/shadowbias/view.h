@@ -58,7 +58,7 @@ typedef struct shb_light_source {
     double w;
 } shb_light_source;
 
-/* The light of a view; a direction has unit length. SHB_ERROR_NUMBER if the matrix is singular. */
+/* The light of a view; directions have unit length. SHB_ERROR_NUMBER: singular or not finite. */
 shb_result shb_view_light_source(const shb_view *view, shb_light_source *source);
 
 #ifdef __cplusplus
