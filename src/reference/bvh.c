@@ -111,7 +111,7 @@ static int bin_of(const cut *c, const primitive *p) {
     return bin < BINS - 1 ? (int)bin : BINS - 1;
 }
 
-/* Tries every boundary between the bins of one axis. */
+/* Tries every boundary between the bins of one axis, whose first and last are never empty. */
 static void improve_cut(const primitive *primitives, uint32_t count, cut candidate, cut *best) {
     bounds bins[BINS];
     uint32_t counts[BINS] = {0};
@@ -128,15 +128,13 @@ static void improve_cut(const primitive *primitives, uint32_t count, cut candida
     for (int k = BINS - 1; k > 0; k--) {
         grow(&right, bins[k].box[0], bins[k].box[1]);
         right_count += counts[k];
-        right_cost[k] = right_count ? half_area(&right) * right_count : 0;
+        right_cost[k] = half_area(&right) * right_count;
     }
     bounds left = empty_bounds();
     uint32_t left_count = 0;
     for (int k = 1; k < BINS; k++) {
         grow(&left, bins[k - 1].box[0], bins[k - 1].box[1]);
         left_count += counts[k - 1];
-        if (left_count == 0 || left_count == count)
-            continue;
         candidate.cost = half_area(&left) * left_count + right_cost[k];
         candidate.bin = k;
         if (candidate.cost < best->cost)
