@@ -1,7 +1,5 @@
 #include "strict.h"
 
-#include "map.h"
-
 #include "kernels/sheets.h"
 
 #include <math.h>

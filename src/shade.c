@@ -9,7 +9,6 @@
 #include "fragments.h"
 #include "frame.h"
 #include "kernels/shade.h"
-#include "map.h"
 #include "terminator.h"
 #include "visibility.h"
 

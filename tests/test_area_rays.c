@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "allocator.h"
 #include "contexts.h"
 #include "random.h"
 #include "ray_caster.h"

@@ -1,6 +1,5 @@
 #include "allocator.h"
 #include "contexts.h"
-#include "random.h"
 #include "target.h"
 #include "test.h"
 

@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* One hash for every compiler, level of optimisation, processor and number of threads. The numbers
  * say nothing about what is right: other tests do; these say that nothing changes. A change of

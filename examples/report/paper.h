@@ -4,7 +4,6 @@
 #define REPORT_PAPER_H
 
 #include "line_chart.h"
-#include "study.h"
 
 #include "scenes.h"
 #include "soft_work.h"

@@ -1,7 +1,6 @@
 #include "scene.h"
 
 #include <math.h>
-#include <string.h>
 
 owned_mesh *scene_add_mesh(example_scene *scene) {
     if (scene->mesh_count < SCENE_MESHES_MAX)

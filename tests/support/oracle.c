@@ -98,11 +98,6 @@ int oracle_winding(size_t count, const int64_t *x, const int64_t *y, int column,
     return winding;
 }
 
-int64_t oracle_area(const oracle_triangle *t) {
-    return (t->snapped_x[1] - t->snapped_x[0]) * (t->snapped_y[2] - t->snapped_y[0]) -
-           (t->snapped_x[2] - t->snapped_x[0]) * (t->snapped_y[1] - t->snapped_y[0]);
-}
-
 bool oracle_covers(const oracle_triangle *t, int column, int row) {
     return signed_coverage(t->snapped_x, t->snapped_y, column, row) != 0;
 }

@@ -36,9 +36,6 @@ typedef struct oracle_triangle {
 oracle_triangle oracle_project(const shb_view *view, uint32_t width, uint32_t height,
                                const float corners[9]);
 
-/* Twice the snapped area, y down. */
-int64_t oracle_area(const oracle_triangle *triangle);
-
 /* The top-left rule by its meaning: the sample, moved right by an infinitely small distance and
  * down by its square, lies strictly inside the snapped triangle. */
 bool oracle_covers(const oracle_triangle *triangle, int column, int row);
