@@ -6,6 +6,7 @@
 #include "page_table.h"
 #include "scatter.h"
 #include "study.h"
+#include "text_file.h"
 #include "verdict.h"
 
 #include <stdio.h>
@@ -165,6 +166,5 @@ bool report_page_write(const report_page *page, const char *path) {
         return false;
     for (const char *const *line = report_page_html; *line; line++)
         write_line(stream, page, *line);
-    const bool written = !ferror(stream);
-    return fclose(stream) == 0 && written;
+    return text_file_close(stream);
 }

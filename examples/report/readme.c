@@ -14,8 +14,7 @@
 enum { PATH_LENGTH = 512 };
 
 static bool close_file(FILE *stream, const char *path) {
-    const bool written = !ferror(stream);
-    return tool_succeeds("report", path, fclose(stream) == 0 && written ? SHB_OK : SHB_ERROR_FILE);
+    return tool_succeeds("report", path, text_file_close(stream) ? SHB_OK : SHB_ERROR_FILE);
 }
 
 /* The first row of means of a kind; NULL: there is none. */

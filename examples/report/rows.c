@@ -1,5 +1,7 @@
 #include "rows.h"
 
+#include "text_file.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -106,8 +108,7 @@ bool report_rows_append(const report_row *rows, size_t count, const char *path) 
             print_value(stream, &columns[k], &rows[i]);
             fputc(k + 1 < COLUMNS ? '\t' : '\n', stream);
         }
-    const bool written = !ferror(stream);
-    return fclose(stream) == 0 && written;
+    return text_file_close(stream);
 }
 
 bool report_rows_replace(const report_rows *rows, const char *path) {

@@ -44,8 +44,7 @@ static bool is_kept(const char *path, const char *settings) {
 }
 
 static bool close_file(FILE *stream, const char *path) {
-    const bool written = !ferror(stream);
-    return tool_succeeds("report", path, fclose(stream) == 0 && written ? SHB_OK : SHB_ERROR_FILE);
+    return tool_succeeds("report", path, text_file_close(stream) ? SHB_OK : SHB_ERROR_FILE);
 }
 
 static bool run_study(shb_context *context, const report_options *options, const char *settings,

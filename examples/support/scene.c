@@ -24,6 +24,12 @@ void scene_add_instance(example_scene *scene, const owned_mesh *mesh, const shb_
     scene->scene.instance_count++;
 }
 
+owned_mesh *scene_add_solid(example_scene *scene, const scene_surface *surface) {
+    owned_mesh *mesh = scene_add_mesh(scene);
+    scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, surface);
+    return mesh;
+}
+
 void scene_set_sun(example_scene *scene, shb_vec3 to_light) {
     scene->lights[SCENE_DIRECTIONAL] =
         (scene_light){.present = true, .source = to_light, .color = {1.10f, 1.02f, 0.88f}};

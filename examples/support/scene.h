@@ -91,6 +91,9 @@ void scene_remove_clusters(example_scene *scene);
 /* A new empty mesh; never NULL. */
 owned_mesh *scene_add_mesh(example_scene *scene);
 
+/* A new empty mesh for a closed solid, with its one instance. */
+owned_mesh *scene_add_solid(example_scene *scene, const scene_surface *surface);
+
 /* An instance of a mesh of the scene. transform NULL: none. */
 void scene_add_instance(example_scene *scene, const owned_mesh *mesh, const shb_mat4 *transform,
                         shb_cull cull, const scene_surface *surface);

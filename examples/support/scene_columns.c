@@ -30,12 +30,6 @@ static const scene_surface pavement = {.color = {0.58f, 0.53f, 0.45f},
                                        .pattern = SCENE_TILES,
                                        .tile_size = 0.8f};
 
-static owned_mesh *add_solid(example_scene *scene, const scene_surface *surface) {
-    owned_mesh *mesh = scene_add_mesh(scene);
-    scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, surface);
-    return mesh;
-}
-
 /* The middle of a column: number 0 .. bays in its row, side -1 or 1. */
 static shb_vec3 column_base(int number, int side) {
     return (shb_vec3){(number - 0.5 * bays) * bay, 0, side * row_z};
@@ -54,8 +48,9 @@ static void add_columns(example_scene *scene) {
 
 /* Ground floor arches, gallery with smaller arches on short pillars, and a cornice. */
 static void add_arcades(example_scene *scene) {
-    owned_mesh *lower = add_solid(scene, &sandstone), *upper = add_solid(scene, &plaster);
-    owned_mesh *trim = add_solid(scene, &limestone);
+    owned_mesh *lower = scene_add_solid(scene, &sandstone),
+               *upper = scene_add_solid(scene, &plaster);
+    owned_mesh *trim = scene_add_solid(scene, &limestone);
     const double half = 0.5 * bays * bay, sill = gallery_floor + 0.9;
     for (int side = -1; side <= 1; side += 2) {
         const double z = side * row_z;
@@ -80,9 +75,9 @@ static void add_arcades(example_scene *scene) {
 /* Floor, outer walls, the vaults over the aisles and the roofs over the galleries. */
 static void add_shell(example_scene *scene) {
     const double half = 0.5 * bays * bay, end = half + 0.5, aisle = wall_z - row_z - 0.3;
-    shape_box(add_solid(scene, &pavement), (shb_vec3){-end, -0.3, -wall_z - 0.5},
+    shape_box(scene_add_solid(scene, &pavement), (shb_vec3){-end, -0.3, -wall_z - 0.5},
               (shb_vec3){end, 0, wall_z + 0.5});
-    owned_mesh *walls = add_solid(scene, &plaster), *vaults = scene_add_mesh(scene);
+    owned_mesh *walls = scene_add_solid(scene, &plaster), *vaults = scene_add_mesh(scene);
     architecture_arcade(vaults, &(arcade_shape){1, 24, aisle, 0, column_height + 0.35,
                                                 gallery_floor - 0.15, -half, half});
     for (int side = -1; side <= 1; side += 2) {
@@ -114,7 +109,7 @@ static void add_ends(example_scene *scene) {
                               shb_mat4_rotation((shb_vec3){0, 1, 0}, side * 90 * degree));
         scene_add_instance(scene, gate, &turned, SHB_CULL_BACK, &sandstone);
     }
-    owned_mesh *beams = add_solid(scene, &wood);
+    owned_mesh *beams = scene_add_solid(scene, &wood);
     for (int i = 0; i <= 2 * bays; i++) {
         const double x = (0.5 * i - 0.5 * bays) * bay;
         shape_box(beams, (shb_vec3){x - 0.10, top - 0.35, -row_z},
@@ -140,7 +135,7 @@ static void add_curtain(example_scene *scene, int number, int side, double shift
     owned_mesh *cloth = scene_add_mesh(scene);
     shape_grid(cloth, points, columns, rows, false);
     scene_add_instance(scene, cloth, NULL, SHB_CULL_NONE, surface);
-    owned_mesh *rod = add_solid(scene, &wood);
+    owned_mesh *rod = scene_add_solid(scene, &wood);
     const double y = column_height - 0.2;
     shape_box(rod, (shb_vec3){left - 0.45, y, side * row_z - 0.03},
               (shb_vec3){left + width + 0.45, y + 0.06, side * row_z + 0.03});
@@ -159,7 +154,7 @@ static void add_curtains(example_scene *scene) {
 
 /* What stands in the court: a fountain, pots and benches. */
 static void add_furniture(example_scene *scene) {
-    owned_mesh *basin = add_solid(scene, &marble);
+    owned_mesh *basin = scene_add_solid(scene, &marble);
     const shape_point bowl[] = {
         {0, 0},       {1.35, 0},    {1.35, 0.16}, {1.22, 0.2},  {1.22, 0.5}, {1.32, 0.56},
         {1.32, 0.66}, {1.12, 0.66}, {1.08, 0.36}, {0.3, 0.34},  {0.2, 0.5},  {0.15, 0.95},
@@ -180,8 +175,9 @@ static void add_furniture(example_scene *scene) {
                                                  shb_mat4_scaling(scale, scale, scale));
         scene_add_instance(scene, pot, &place, SHB_CULL_BACK, &terracotta);
     }
-    shape_box(add_solid(scene, &marble), (shb_vec3){-4.9, 0, -2.2}, (shb_vec3){-3.3, 0.44, -1.7});
-    owned_mesh *pedestal = add_solid(scene, &limestone);
+    shape_box(scene_add_solid(scene, &marble), (shb_vec3){-4.9, 0, -2.2},
+              (shb_vec3){-3.3, 0.44, -1.7});
+    owned_mesh *pedestal = scene_add_solid(scene, &limestone);
     shape_box(pedestal, (shb_vec3){-1.6, 0, -1.3}, (shb_vec3){-0.9, 1.15, -0.6});
     shape_ball(pedestal, (shb_vec3){-1.25, 1.45, -0.95}, 0.3, 32);
 }
@@ -191,8 +187,8 @@ static void add_ramp(example_scene *scene) {
     const double x = -2.1, run = 1.5, rise = 0.38, thickness = 0.01;
     const shape_point outline[] = {
         {x, 0}, {x, thickness}, {x - run, rise + thickness}, {x - run, rise}};
-    shape_prism(add_solid(scene, &wood), outline, 4, -0.75, 0.05);
-    shape_box(add_solid(scene, &sandstone), (shb_vec3){x - run + 0.05, 0, -0.65},
+    shape_prism(scene_add_solid(scene, &wood), outline, 4, -0.75, 0.05);
+    shape_box(scene_add_solid(scene, &sandstone), (shb_vec3){x - run + 0.05, 0, -0.65},
               (shb_vec3){x - run + 0.25, 0.31, -0.05});
     for (int kind = 0; kind < SCENE_LIGHT_KINDS; kind++)
         scene->lights[kind].contact = (scene_contact){{x, 0, -0.35}, {-1, 0, 0}, {0, 1, 0}, 0.8};

@@ -73,9 +73,7 @@ static void add_rock(example_scene *scene) {
         points[sector] = points[0];
         points[(rings - 1) * sectors + sector] = points[(rings - 1) * sectors];
     }
-    owned_mesh *mesh = scene_add_mesh(scene);
-    shape_grid(mesh, points, (uint32_t)sectors, (uint32_t)rings, true);
-    scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, &rock);
+    shape_grid(scene_add_solid(scene, &rock), points, (uint32_t)sectors, (uint32_t)rings, true);
 }
 
 /* A crown of leaves on an ellipsoid's surface, evenly spread by the golden angle. */

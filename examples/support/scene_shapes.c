@@ -19,24 +19,19 @@ static const scene_surface floor_tiles = {.color = {0.60f, 0.57f, 0.52f},
 /* A slab with its upper side at height 0. */
 static void add_ground(example_scene *scene, double half_x, double half_z,
                        const scene_surface *surface) {
-    owned_mesh *mesh = scene_add_mesh(scene);
-    shape_box(mesh, (shb_vec3){-half_x, -0.25, -half_z}, (shb_vec3){half_x, 0, half_z});
-    scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, surface);
+    shape_box(scene_add_solid(scene, surface), (shb_vec3){-half_x, -0.25, -half_z},
+              (shb_vec3){half_x, 0, half_z});
 }
 
 static shb_box add_box(example_scene *scene, shb_vec3 lo, shb_vec3 hi,
                        const scene_surface *surface) {
-    owned_mesh *mesh = scene_add_mesh(scene);
-    shape_box(mesh, lo, hi);
-    scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, surface);
+    shape_box(scene_add_solid(scene, surface), lo, hi);
     return (shb_box){lo, hi};
 }
 
 static void add_ball(example_scene *scene, shb_vec3 center, double radius, uint32_t segments,
                      const scene_surface *surface) {
-    owned_mesh *mesh = scene_add_mesh(scene);
-    shape_ball(mesh, center, radius, segments);
-    scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, surface);
+    shape_ball(scene_add_solid(scene, surface), center, radius, segments);
 }
 
 static void look(example_scene *scene, shb_vec3 eye, shb_vec3 target, double vertical_degrees) {
@@ -167,9 +162,7 @@ void scene_build_wedge(example_scene *scene, double angle) {
     const double x = 3 * cos(angle * degree), y = 3 * sin(angle * degree);
     /* The plate is hinged at the line x = 0 and as thin there as the angle lets it be. */
     const shape_point outline[] = {{0, 0}, {x, y}, {x - 0.08 * y, y + 0.08 * x}};
-    owned_mesh *mesh = scene_add_mesh(scene);
-    shape_prism(mesh, outline, 3, -2, 2);
-    scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, &red);
+    shape_prism(scene_add_solid(scene, &red), outline, 3, -2, 2);
     scene_set_sun(scene, (shb_vec3){-0.6, 1, 0.2});
     scene_set_spot(scene, (shb_vec3){-4, 7, 1.5}, (shb_vec3){0.5, 0, 0}, 75 * degree, 1, 20);
     const scene_contact contact = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1};

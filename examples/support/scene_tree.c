@@ -30,12 +30,6 @@ typedef struct limb_shape {
     double length, radius;
 } limb_shape;
 
-static owned_mesh *add_solid(example_scene *scene, const scene_surface *surface) {
-    owned_mesh *mesh = scene_add_mesh(scene);
-    scene_add_instance(scene, mesh, NULL, SHB_CULL_BACK, surface);
-    return mesh;
-}
-
 /* Two unit vectors at right angles to a direction and to each other. */
 static void sides_of(shb_vec3 direction, shb_vec3 *side, shb_vec3 *front) {
     *side = shb_vec3_normalize(shb_vec3_cross(direction, (shb_vec3){0.3, 0.1, 1}));
@@ -104,7 +98,7 @@ static void add_tree(example_scene *scene) {
 }
 
 static void add_fence(example_scene *scene) {
-    owned_mesh *fence = add_solid(scene, &paint);
+    owned_mesh *fence = scene_add_solid(scene, &paint);
     const double z = 2.4;
     for (int i = -9; i <= 9; i++) {
         const double x = 0.36 * i;
@@ -118,7 +112,7 @@ static void add_fence(example_scene *scene) {
 
 /* Two poles with a wire between their tops, and discs on one of them. */
 static void add_poles(example_scene *scene) {
-    owned_mesh *poles = add_solid(scene, &iron);
+    owned_mesh *poles = scene_add_solid(scene, &iron);
     for (int i = -1; i <= 1; i += 2) {
         const shape_point pole[] = {{0, 0}, {0.045, 0}, {0.045, 3.1}, {0, 3.1}};
         shape_lathe(poles, (shb_vec3){3.2 * i, 0, -1.6}, pole, 4, 16);
@@ -133,7 +127,7 @@ static void add_poles(example_scene *scene) {
 
 void scene_build_tree(example_scene *scene, double unused) {
     (void)unused;
-    owned_mesh *ground = add_solid(scene, &lawn);
+    owned_mesh *ground = scene_add_solid(scene, &lawn);
     shape_box(ground, (shb_vec3){-7, -0.25, -7}, (shb_vec3){7, 0, 7});
     /* the top of a ball: a mound that catches shadows on its slopes */
     shape_ball(ground, (shb_vec3){2.2, -1.6, 0.5}, 2.05, 64);

@@ -1,7 +1,6 @@
 #include "text_file.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,4 +40,9 @@ char *text_file_read(const char *path, size_t *length, char *error, size_t error
     if (stream && !is_stdin)
         fclose(stream);
     return text;
+}
+
+bool text_file_close(FILE *stream) {
+    const bool written = !ferror(stream);
+    return fclose(stream) == 0 && written;
 }

@@ -1,6 +1,7 @@
 #include "heat_map.h"
 
 #include "font.h"
+#include "text_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -127,8 +128,7 @@ static shb_result write_svg(const heat_grid *grid, const char *path) {
     for (uint32_t line = 0; line < grid->lines; line++)
         print_line(grid, file, line);
     fprintf(file, "</svg>\n");
-    const bool failed = ferror(file) != 0;
-    return fclose(file) != 0 || failed ? SHB_ERROR_FILE : SHB_OK;
+    return text_file_close(file) ? SHB_OK : SHB_ERROR_FILE;
 }
 
 shb_result heat_map_write(const stability_rows *rows, const char *directory) {

@@ -5,6 +5,7 @@
 #include "heat_map.h"
 #include "report.h"
 #include "suite.h"
+#include "text_file.h"
 #include "tool.h"
 
 #include <stdio.h>
@@ -39,7 +40,7 @@ static bool write_table(const char *directory, const char *name, const stability
     FILE *file = fopen(path, "w");
     if (file)
         print(file, rows);
-    if (!file || fclose(file) != 0)
+    if (!file || !text_file_close(file))
         return tool_succeeds("stability", path, SHB_ERROR_FILE);
     return true;
 }
