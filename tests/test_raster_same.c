@@ -10,6 +10,7 @@
 #define WIDTH 210
 #define HEIGHT 133
 #define TRIANGLES 1500
+#define THREADS 8 /* and a host's scheduler */
 
 /* Triangles of all sizes around the eye: whole, cut, flat, steep, thin. */
 static float *random_triangles(void) {
@@ -50,8 +51,8 @@ static void check_same(const shb_view *view, const shb_scene *scene, shb_isa isa
     shb_context_desc desc = {.threads = 1, .max_isa = isa};
     const shb_draw_stats stats = draw(&desc, &expected, view, scene, 0);
     CHECK(stats.clipped > 20 && stats.drawn > 200 && stats.culled > 100);
-    for (desc.threads = 1; desc.threads <= 5; desc.threads++) {
-        desc.parallel_for = desc.threads == 5 ? run_backwards : NULL;
+    for (desc.threads = 1; desc.threads <= THREADS + 1; desc.threads++) {
+        desc.parallel_for = desc.threads > THREADS ? run_backwards : NULL;
         for (uint32_t tile_size = 16; tile_size <= 512; tile_size *= 2) {
             test_target target = test_target_create(WIDTH, HEIGHT);
             const shb_draw_stats same = draw(&desc, &target, view, scene, tile_size);
