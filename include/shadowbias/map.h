@@ -123,8 +123,9 @@ enum {
  * in exact arithmetic, whatever the culling; what lies in front of the near plane casts no shadow.
  * (SHADOWED holds for any point; a point that floats just behind a surface may be called LIT.)
  * Unsure are points that the light sees near an edge of what is nearest to it (an open edge, a
- * silhouette, a line of contact), points outside the view, and points with coordinates so large
- * that rounding moves them by 1/32 texel (1/256 if the map keeps lists).
+ * silhouette, a line of contact), points outside the view, and points whose coordinates are so
+ * large, or so small that floats have no finer steps, that rounding moves them by 1/32 texel (1/256
+ * if the map keeps lists).
  *
  * The map must have been created with desc.classifies (SHB_ERROR_UNSUPPORTED); while it is empty
  * all is unsure. Normals are not read. Maps with lists know edges by 64-bit hashes, sums of which

@@ -5,7 +5,9 @@
  * and shadow test cannot disagree on where the light is.
  *
  * A matrix of your own fits if its clip depth runs from 0 to 1: one for OpenGL's -1 .. 1 does with
- * the mean of its rows z and w as row z. */
+ * the mean of its rows z and w as row z. Its near plane may be tilted against the map, as long as
+ * depth grows along every ray; filters that reckon with distances (those that are prepared) take it
+ * for parallel to the map. */
 #ifndef SHADOWBIAS_VIEW_H
 #define SHADOWBIAS_VIEW_H
 
