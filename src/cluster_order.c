@@ -4,20 +4,18 @@
 
 #include "kernels/raster.h"
 #include "scene.h"
-#include "starts.h"
 
 #include <math.h>
 
-/* The mesh's order stays unless the sum of its boxes is so many times that along the curve. */
+/* The mesh's order stays unless the sum of its boxes is so many times that of halves. */
 #define KEEPING 1.5
 
-/* Digits of 11 bits: six passes sort the keys of 63 bits. */
-#define DIGIT_BITS 11
-#define DIGITS (1 << DIGIT_BITS)
-#define KEY_BITS 63
+/* Steps along a side of the cube that triangles are placed in. */
+#define STEPS (1 << 21)
 
+/* The middle of a triangle's box. */
 typedef struct place {
-    uint64_t key;
+    uint32_t at[3]; /* steps */
     uint32_t triangle;
 } place;
 
@@ -51,29 +49,19 @@ static double measure_runs(const shb_mesh *mesh, const place *places) {
     return sum;
 }
 
-/* 21 bits, two zeros before each. */
-static uint64_t spread_bits(uint64_t bits) {
-    bits = (bits | bits << 32) & 0x1f00000000ffffu;
-    bits = (bits | bits << 16) & 0x1f0000ff0000ffu;
-    bits = (bits | bits << 8) & 0x100f00f00f00f00fu;
-    bits = (bits | bits << 4) & 0x10c30c30c30c30c3u;
-    return (bits | bits << 2) & 0x1249249249249249u;
-}
-
-static uint64_t quantize(double offset, double scale) {
+static uint32_t quantize(double offset, double scale) {
     const double steps = offset * scale;
-    return steps > 0 ? (uint64_t)(steps < 0x1fffff ? steps : 0x1fffff) : 0;
+    return steps > 0 ? (uint32_t)(steps < STEPS - 1 ? steps : STEPS - 1) : 0;
 }
 
-/* The place on a Morton curve through a cube of 2^21 cells a side; what is not finite comes first.
- */
-static uint64_t key_of(const shb_mesh *mesh, uint32_t triangle, const shb_box *bounds,
-                       double scale) {
+/* What is not finite comes first. */
+static place place_of(const shb_mesh *mesh, uint32_t triangle, shb_vec3 origin, double scale) {
     shb_box box = box_empty();
     grow_by_triangle(mesh, triangle, &box);
-    return spread_bits(quantize((box.lo.x + box.hi.x) / 2 - bounds->lo.x, scale)) |
-           spread_bits(quantize((box.lo.y + box.hi.y) / 2 - bounds->lo.y, scale)) << 1 |
-           spread_bits(quantize((box.lo.z + box.hi.z) / 2 - bounds->lo.z, scale)) << 2;
+    return (place){{quantize((box.lo.x + box.hi.x) / 2 - origin.x, scale),
+                    quantize((box.lo.y + box.hi.y) / 2 - origin.y, scale),
+                    quantize((box.lo.z + box.hi.z) / 2 - origin.z, scale)},
+                   triangle};
 }
 
 static void place_triangles(const shb_mesh *mesh, place *places) {
@@ -82,46 +70,74 @@ static void place_triangles(const shb_mesh *mesh, place *places) {
         grow_by_triangle(mesh, i, &bounds);
     const double size =
         fmax(bounds.hi.x - bounds.lo.x, fmax(bounds.hi.y - bounds.lo.y, bounds.hi.z - bounds.lo.z));
-    const double scale = size > 0 ? 0x1p21 / size : 0;
+    const double scale = size > 0 ? STEPS / size : 0;
     for (uint32_t i = 0; i < mesh->triangle_count; i++)
-        places[i] = (place){key_of(mesh, i, &bounds, scale), i};
+        places[i] = place_of(mesh, i, bounds.lo, scale);
 }
 
-/* One pass: stable, by one digit. */
-static void sort_by_digit(size_t count, const place *from, int shift, place *to) {
-    size_t starts[DIGITS] = {0};
-    for (size_t i = 0; i < count; i++)
-        starts[(from[i].key >> shift) % DIGITS]++;
-    shb_starts_of_lengths(DIGITS, starts);
-    for (size_t i = 0; i < count; i++)
-        to[starts[(from[i].key >> shift) % DIGITS]++] = from[i];
-}
-
-/* The number of passes is even, so that the result is where it was. */
-static void sort(size_t count, place *places, place *others) {
-    for (int shift = 0; shift < KEY_BITS; shift += 2 * DIGIT_BITS) {
-        sort_by_digit(count, places, shift, others);
-        sort_by_digit(count, others, shift + DIGIT_BITS, places);
+/* Moves those up to a limit along the axis to the front, without a branch; returns how many. */
+static size_t divide(size_t count, int axis, uint32_t limit, place *places) {
+    size_t lower = 0;
+    for (size_t i = 0; i < count; i++) {
+        const place moved = places[i];
+        places[i] = places[lower];
+        places[lower] = moved;
+        lower += moved.at[axis] <= limit;
     }
+    return lower;
+}
+
+/* None of the first so many is farther along the axis than the others; all are lo .. hi. */
+static void select_first(size_t first, size_t count, int axis, uint32_t lo, uint32_t hi,
+                         place *places) {
+    while (lo < hi) {
+        const uint32_t middle = lo + (hi - lo) / 2;
+        const size_t lower = divide(count, axis, middle, places);
+        if (lower == first)
+            return;
+        if (lower > first) {
+            count = lower;
+            hi = middle;
+        } else {
+            first -= lower;
+            count -= lower;
+            places += lower;
+            lo = middle + 1;
+        }
+    }
+}
+
+/* Halves, of whole runs, along the longest side of the places' box, and so on down to runs. */
+static void split(size_t count, place *places) {
+    uint32_t lo[3] = {STEPS, STEPS, STEPS}, hi[3] = {0, 0, 0};
+    if (count <= SHB_CHUNK)
+        return;
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++) {
+            lo[k] = places[i].at[k] < lo[k] ? places[i].at[k] : lo[k];
+            hi[k] = places[i].at[k] > hi[k] ? places[i].at[k] : hi[k];
+        }
+    int axis = hi[1] - lo[1] > hi[0] - lo[0] ? 1 : 0;
+    axis = hi[2] - lo[2] > hi[axis] - lo[axis] ? 2 : axis;
+    const size_t half = (count + SHB_CHUNK - 1) / SHB_CHUNK / 2 * SHB_CHUNK;
+    select_first(half, count, axis, lo[axis], hi[axis], places);
+    split(half, places);
+    split(count - half, places + half);
 }
 
 bool shb_cluster_order(const shb_context *context, const shb_mesh *mesh, uint32_t **order) {
     const size_t count = mesh->triangle_count;
     place *places = shb_alloc(context, count, sizeof *places);
-    place *others = shb_alloc(context, count, sizeof *others);
-    const bool done = places && others;
     *order = NULL;
-    if (done) {
-        place_triangles(mesh, places);
-        sort(count, places, others);
-        if (measure_runs(mesh, NULL) > KEEPING * measure_runs(mesh, places)) {
-            *order = (uint32_t *)(void *)others;
-            for (size_t i = 0; i < count; i++)
-                (*order)[i] = places[i].triangle;
-        }
-    }
-    shb_free(context, places);
-    if (!*order)
-        shb_free(context, others);
-    return done;
+    if (!places)
+        return false;
+    place_triangles(mesh, places);
+    split(count, places);
+    if (measure_runs(mesh, NULL) > KEEPING * measure_runs(mesh, places)) {
+        *order = (uint32_t *)(void *)places;
+        for (size_t i = 0; i < count; i++)
+            (*order)[i] = places[i].triangle;
+    } else
+        shb_free(context, places);
+    return true;
 }

@@ -8,9 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-/* How often the boxes of all clusters have to cover the target: even those of a single layer
- * overlap each other four or five times. */
-#define LAYERS_MIN 8
+/* How often the boxes of all clusters have to cover the target: those of a single layer do once or
+ * twice. */
+#define LAYERS_MIN 3
 
 /* Ranges of depth; in more of them what is near in the target would be far in memory. */
 #define RANGES 8

@@ -108,6 +108,27 @@ TEST(clusters_gather_neighbours_of_a_shuffled_mesh) {
     free_grid(&grid);
 }
 
+/* No power of two divides the grid, and yet the boxes of clusters hardly overlap: they cover little
+ * more than it. */
+TEST(clusters_of_any_shuffled_mesh_are_compact) {
+    test_random random = {34};
+    shuffled_grid grid = make_grid(61, 37, &random);
+    shb_context *context = test_context(0, SHB_ISA_BEST);
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
+    check_complete(&grid.mesh, clusters);
+    CHECK_INT(clusters->count, (2 * 61 * 37 + 127) / 128);
+    double area = 0;
+    for (size_t i = 0; i < clusters->count; i++) {
+        const shb_cluster *cluster = &clusters->clusters[i];
+        area += (double)((cluster->hi[0] - cluster->lo[0]) * (cluster->hi[1] - cluster->lo[1]));
+    }
+    CHECK(area < 1.25);
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
+    free_grid(&grid);
+}
+
 #define LARGE_WIDTH 4176
 #define LARGE_HEIGHT 1024
 
