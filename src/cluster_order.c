@@ -7,9 +7,6 @@
 
 #include <math.h>
 
-/* The mesh's order stays unless the sum of its boxes is so many times that of halves. */
-#define KEEPING 1.5
-
 /* Steps along a side of the cube that triangles are placed in. */
 #define STEPS (1 << 21)
 
@@ -27,26 +24,6 @@ static void grow_by_triangle(const shb_mesh *mesh, uint32_t triangle, shb_box *b
         if (vec3_is_finite(corner))
             box_grow(box, corner);
     }
-}
-
-/* Half the surface of a box. */
-static double surface(const shb_box *box) {
-    if (box->lo.x > box->hi.x)
-        return 0;
-    const double x = box->hi.x - box->lo.x, y = box->hi.y - box->lo.y, z = box->hi.z - box->lo.z;
-    return x * y + y * z + z * x;
-}
-
-/* The surfaces of all runs of SHB_CHUNK triangles in the order of the places; NULL: of the mesh. */
-static double measure_runs(const shb_mesh *mesh, const place *places) {
-    double sum = 0;
-    for (uint64_t first = 0; first < mesh->triangle_count; first += SHB_CHUNK) {
-        shb_box box = box_empty();
-        for (uint64_t i = first; i < first + SHB_CHUNK && i < mesh->triangle_count; i++)
-            grow_by_triangle(mesh, places ? places[i].triangle : (uint32_t)i, &box);
-        sum += surface(&box);
-    }
-    return sum;
 }
 
 static uint32_t quantize(double offset, double scale) {
@@ -125,19 +102,15 @@ static void split(size_t count, place *places) {
     split(count - half, places + half);
 }
 
-bool shb_cluster_order(const shb_context *context, const shb_mesh *mesh, uint32_t **order) {
+uint32_t *shb_cluster_order(const shb_context *context, const shb_mesh *mesh) {
     const size_t count = mesh->triangle_count;
     place *places = shb_alloc(context, count, sizeof *places);
-    *order = NULL;
     if (!places)
-        return false;
+        return NULL;
     place_triangles(mesh, places);
     split(count, places);
-    if (measure_runs(mesh, NULL) > KEEPING * measure_runs(mesh, places)) {
-        *order = (uint32_t *)(void *)places;
-        for (size_t i = 0; i < count; i++)
-            (*order)[i] = places[i].triangle;
-    } else
-        shb_free(context, places);
-    return true;
+    uint32_t *order = (uint32_t *)(void *)places;
+    for (size_t i = 0; i < count; i++)
+        order[i] = places[i].triangle;
+    return order;
 }

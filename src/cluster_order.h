@@ -5,9 +5,8 @@
 #include "context.h"
 #include "shadowbias/scene.h"
 
-/* *order: the numbers of the mesh's triangles, to be released with shb_free, or NULL for the order
- * of the mesh, which is kept where its runs of SHB_CHUNK triangles are about as compact. false: out
- * of memory. */
-bool shb_cluster_order(const shb_context *context, const shb_mesh *mesh, uint32_t **order);
+/* The numbers of the mesh's triangles so that runs of SHB_CHUNK are compact, to be released with
+ * shb_free. NULL: out of memory. */
+uint32_t *shb_cluster_order(const shb_context *context, const shb_mesh *mesh);
 
 #endif

@@ -15,7 +15,7 @@
 /* The cluster that is being gathered. Vertices with the same position are one. */
 typedef struct gathering {
     const shb_mesh *mesh;
-    const uint32_t *order; /* of the mesh's triangles; NULL: rising */
+    const uint32_t *order; /* of the mesh's triangles */
     uint32_t next;         /* triangle in the order */
     uint32_t triangle_count, vertex_count;
     uint32_t triangles[SHB_CHUNK];
@@ -48,7 +48,7 @@ static uint32_t find_vertex(gathering *g, const float *position) {
 /* Adds the next triangle; false if it does not fit any more. */
 static bool add_triangle(gathering *g) {
     const uint32_t before = g->vertex_count;
-    const uint32_t triangle = g->order ? g->order[g->next] : g->next;
+    const uint32_t triangle = g->order[g->next];
     uint32_t vertices[3], numbers[3];
     shb_mesh_triangle(g->mesh, triangle, vertices);
     for (int k = 0; k < 3; k++)
@@ -170,9 +170,9 @@ shb_result shb_clusters_create(shb_context *context, const shb_mesh *mesh,
     const shb_result result = check(context, mesh, clusters);
     if (result)
         return result;
-    uint32_t *order;
+    uint32_t *order = shb_cluster_order(context, mesh);
     shb_clusters *made = NULL;
-    if (shb_cluster_order(context, mesh, &order)) {
+    if (order) {
         const cluster_room room = count_clusters(mesh, order);
         made = reserve(context, mesh, &room);
         if (made)
