@@ -56,13 +56,6 @@ static void cover(const light_samples *samples, const shb_quad_row *row, int32_t
     }
 }
 
-static int count_bits(uint64_t word) {
-    word -= word >> 1 & 0x5555555555555555u;
-    word = (word & 0x3333333333333333u) + (word >> 2 & 0x3333333333333333u);
-    word = (word + (word >> 4)) & 0x0f0f0f0f0f0f0f0fu;
-    return (int)(word * 0x0101010101010101u >> 56);
-}
-
 static float visible_part(const shb_filter_args *args, const shb_light_windows *windows,
                           const light_samples *samples, size_t index) {
     shb_quad_window window;
@@ -78,7 +71,7 @@ static float visible_part(const shb_filter_args *args, const shb_light_windows *
     }
     int visible = samples->count;
     for (int word = 0; word < samples->words; word++)
-        visible -= count_bits(covered.words[word]);
+        visible -= __builtin_popcountll(covered.words[word]);
     return (float)visible / (float)samples->count;
 }
 
