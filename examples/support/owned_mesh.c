@@ -3,12 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool grow_array(void *array, size_t count, size_t size) {
-    void **memory = array;
-    void *grown = realloc(*memory, count * size);
-    if (grown)
-        *memory = grown;
-    return grown != NULL;
+/* The array with room for count elements, or as it was, and the mesh has failed. */
+static void *grow(owned_mesh *mesh, void *array, size_t count, size_t size) {
+    void *grown = realloc(array, count * size);
+    mesh->failed |= !grown;
+    return grown ? grown : array;
 }
 
 /* Twice the capacity, within 32 bits. */
@@ -22,9 +21,10 @@ static bool reserve_vertex(owned_mesh *mesh, bool with_normals) {
     if (mesh->failed || mesh->vertex_count < mesh->vertex_capacity)
         return !mesh->failed;
     const uint32_t capacity = next_capacity(mesh->vertex_capacity);
-    mesh->failed = mesh->vertex_count == UINT32_MAX ||
-                   !grow_array(&mesh->positions, capacity, 3 * sizeof(float)) ||
-                   (with_normals && !grow_array(&mesh->normals, capacity, 3 * sizeof(float)));
+    mesh->failed = mesh->vertex_count == UINT32_MAX;
+    mesh->positions = grow(mesh, mesh->positions, capacity, 3 * sizeof(float));
+    if (with_normals)
+        mesh->normals = grow(mesh, mesh->normals, capacity, 3 * sizeof(float));
     mesh->vertex_capacity = capacity;
     return !mesh->failed;
 }
@@ -42,8 +42,8 @@ static bool reserve_triangle(owned_mesh *mesh) {
     if (mesh->failed || mesh->triangle_count < mesh->triangle_capacity)
         return !mesh->failed;
     const uint32_t capacity = next_capacity(mesh->triangle_capacity);
-    mesh->failed = mesh->triangle_count >= SHB_TRIANGLES_MAX ||
-                   !grow_array(&mesh->indices, capacity, 3 * sizeof(uint32_t));
+    mesh->failed = mesh->triangle_count >= SHB_TRIANGLES_MAX;
+    mesh->indices = grow(mesh, mesh->indices, capacity, 3 * sizeof(uint32_t));
     mesh->triangle_capacity = capacity;
     return !mesh->failed;
 }
