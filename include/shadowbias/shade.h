@@ -98,7 +98,7 @@ typedef struct shb_shade_desc {
     shb_image image; /* pixels NULL: none is written, the callback may keep what it wants */
 } shb_shade_desc;
 
-/* Shades the frame. Allocates nothing, but needs about 600 KB of stack on every thread. Ids that
+/* Shades the frame. Allocates nothing, but needs up to 650 KB of stack on every thread. Ids that
  * the scene does not have, or whose triangle has a corner that is not finite, are background.
  * Errors: SHB_ERROR_ARGUMENT, SHB_ERROR_SIZE (also for an image that is not of the frame's size),
  * SHB_ERROR_NUMBER (background, colour, view), SHB_ERROR_UNSUPPORTED as shb_map_visibility. One
