@@ -52,7 +52,7 @@ static const shb_bias_method methods[] = {
      "adaptive with epsilon by the angle",
      make_adaptive_soft,
      {"k", "scale", "threshold"}},
-    {"exact", "planes or triangles of the occluders", shb_bias_exact, {NULL}},
+    {"exact", "planes, triangles or lists of the occluders", shb_bias_exact, {NULL}},
 };
 
 const shb_bias_method *shb_bias_methods(size_t *count) {
