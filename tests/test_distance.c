@@ -1,4 +1,5 @@
 /* What moments are made of: distance from depth, and exponentials. */
+#include "../src/depth_rows.h"
 #include "../src/distance.h"
 #include "../src/exponential.h"
 
@@ -35,6 +36,26 @@ TEST(logarithm_keeps_its_bound_everywhere) {
     CHECK(shb_logarithm(1) == 0);
     CHECK_NEAR(shb_logarithm(FLT_MAX), log((double)FLT_MAX), 1e-5);
     CHECK_NEAR(shb_logarithm(FLT_MIN), log((double)FLT_MIN), 1e-5);
+}
+
+/* One texel is nearer than all others, one is farther, and one holds nothing. */
+TEST(the_range_of_depths_is_that_of_all_rows_and_columns) {
+    enum { WIDTH = 300, HEIGHT = 150 };
+    static const int places[][2] = {{0, 0}, {255, 63}, {256, 64}, {299, 128}, {17, 149}};
+    static float depths[WIDTH * HEIGHT];
+    const shb_map_desc desc = {.view = probe_orthographic(false), .width = WIDTH, .height = HEIGHT};
+    for (int k = 0; k < 5; k++) {
+        const int *near = places[k], *far = places[(k + 1) % 5], *none = places[(k + 2) % 5];
+        for (int i = 0; i < WIDTH * HEIGHT; i++)
+            depths[i] = 0.5f;
+        depths[near[1] * WIDTH + near[0]] = 0.25f;
+        depths[far[1] * WIDTH + far[0]] = 0.75f;
+        depths[none[1] * WIDTH + none[0]] = 1;
+        depth_map host = depth_map_open(NULL, &desc, depths);
+        const shb_depth_range range = shb_depth_range_of(host.map);
+        CHECK(range.nearest == 0.25f && range.farthest == 0.75f);
+        depth_map_close(&host);
+    }
 }
 
 /* The map's farthest texel is given; the others lie at the near plane. */
