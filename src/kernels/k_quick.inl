@@ -121,8 +121,9 @@ static inline ALWAYS_INLINE void keep_largest(const vf v[3], vf largest[3]) {
         largest[k] = vf_max(vf_abs(v[k]), largest[k]);
 }
 
-/* Asks for the texels, too: they lie anywhere in memory. False: some fragments lie outside of the
- * test's box. */
+/* Asks for the texels, too: they lie anywhere in memory. For those of the vector before: their
+ * places can be read at once only when they have left the units that store whole vectors. False:
+ * some fragments lie outside of the test's box. */
 static inline ALWAYS_INLINE bool project_quickly(const shb_map *map, const shb_quick_test *test,
                                                  bool affine, bool plane, bool packed, size_t count,
                                                  const shb_quick_points *points,
@@ -133,7 +134,7 @@ static inline ALWAYS_INLINE bool project_quickly(const shb_map *map, const shb_q
     const uint32_t stride = (uint32_t)(map->depth.stride / 4);
     const uint32_t width = map->info.width, height = map->info.height;
     vf ways[3] = {{0}}, largest[3] = {{0}};
-    for (size_t i = 0; i < count; i += WIDE) {
+    for (size_t i = 0, before = 0; i < count; i += WIDE) {
         vf p[3];
         if (packed)
             prefetch_next_batch(&from, plane, i);
@@ -160,8 +161,9 @@ static inline ALWAYS_INLINE bool project_quickly(const shb_map *map, const shb_q
         const vi inside = (vi)((vu)texel_x < width) & (vi)((vu)texel_y < height);
         const vu place = (vu)inside & (vu_times_short((vu)texel_y, stride) + (vu)texel_x);
         vu_store(out->place + i, place);
-        for (size_t lane = i; lane < i + WIDE; lane++)
+        for (size_t lane = before; lane < before + WIDE; lane++)
             __builtin_prefetch(texels + out->place[lane]);
+        before = i;
         if (plane) {
             vf n[3], error;
             read_points(from.normal, packed, i, n);
