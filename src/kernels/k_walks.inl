@@ -280,6 +280,7 @@ static inline ALWAYS_INLINE step_bits step_walking(const shb_map *map, uint64_t 
     }
     for (size_t i = 0; i < count; i += WIDE) {
         vf columns[4];
+        SHB_ALIGN uint32_t ahead[WIDE];
         const vi corner = vi_load((const int32_t *)third + i), side = vi_load(sides + i);
         const vi keeps_lower = vi_load((const int32_t *)w->lower + i) ^ side;
         const vi rises = -(corner + keeps_lower >= 2); /* from the kept end to the third corner */
@@ -289,11 +290,13 @@ static inline ALWAYS_INLINE step_bits step_walking(const shb_map *map, uint64_t 
         const vi keeps = -keeps_lower;
         const vi is_middle = corner == (2 & keeps);
         const vi other = (keeps & (vi)columns[2]) | (~keeps & (vi)columns[0]);
-        vi_store((int32_t *)w->beyond + i, (is_middle & (vi)columns[1]) | (~is_middle & other));
+        const vu beyond = (vu)((is_middle & (vi)columns[1]) | (~is_middle & other));
+        vu_store(w->beyond + i, beyond);
         const vi mark = corner + 1 - (corner == 2); /* SHB_CORNER_SEEN << corner */
         seen |= bits_at(vi_bits(((vi)columns[3] & mark) != 0), i);
-        for (size_t n = i; n < i + WIDE; n++) /* while what was met is compared */
-            __builtin_prefetch(&triangles[w->beyond[n] < SHB_TWIN ? w->beyond[n] >> 3 : 0]);
+        vu_store(ahead, (vu)(beyond < SHB_TWIN) & beyond >> 3);
+        for (size_t n = 0; n < WIDE; n++) /* while what was met is compared */
+            __builtin_prefetch(&triangles[ahead[n]]);
     }
     over |= round;
     const uint64_t cut = ends | (~over & ~seen), goes_on = going & ~cut & ~over;
