@@ -308,9 +308,10 @@ static inline ALWAYS_INLINE void ask_nearest_as(const shb_map *map, bool affine,
     if (!left)
         return;
     read_links(map, readable, left, &links);
-    find_joined(g->samples[0], &links, &joined);
-    uint64_t arrived = left & links.whole;
-    for (int k = 1; k < 4; k++)
+    uint64_t arrived = left & links.whole & (are.own | sides.own);
+    if (arrived)
+        find_joined(g->samples[0], &links, &joined);
+    for (int k = 1; k < 4 && arrived; k++)
         arrived &= joined_bits(&joined, g->samples[k]);
     lit |= arrived & are.own;
     const uint64_t covered = covered_bits(
