@@ -6,6 +6,8 @@
 #include "lists.h"
 #include "project.h"
 
+#include <string.h>
+
 /* Without triangles where the map has no use for them. */
 static shb_drawn_mesh mesh_of(const shb_map *map) {
     const shb_topology *t = &map->occluders.topology;
@@ -28,23 +30,26 @@ static void fill_group(shb_exact_points *points) {
     }
 }
 
-/* True if the points of the weights are there: not if there is no such triangle. */
+/* The last one fills up the lanes. */
+static void take_ids(const uint32_t *ids, size_t count, uint32_t *to) {
+    memcpy(to, ids, count * sizeof *ids);
+    for (size_t i = count; i < shb_round_to_lanes(count); i++)
+        to[i] = ids[count - 1];
+}
+
+/* True if the points of the weights are there. */
 static bool place_all(const shb_map *map, const shb_own_triangles *own, const shb_receivers *r,
                       shb_exact_points *points) {
     const shb_drawn_mesh mesh = mesh_of(map);
-    uint32_t last = 0;
-    for (size_t i = 0; i < points->count; i++)
-        last = points->own_ids[i] > last ? points->own_ids[i] : last;
-    return last < mesh.triangle_count &&
-           map->context->shade_kernels->place(&mesh, own->weight_1, own->weight_2, r, points);
+    return map->context->shade_kernels->place(&mesh, own->weight_1, own->weight_2, r, points);
 }
 
 void shb_exact_points_of(const shb_map *map, size_t count, const shb_own_triangles *own,
                          const shb_receivers *r, shb_exact_points *points) {
     const bool has_ids = own && own->ids, has_weights = has_ids && own->weight_1;
     points->count = count;
-    for (size_t i = 0; i < shb_round_to_lanes(count); i++)
-        points->own_ids[i] = has_ids ? own->ids[i < count ? i : count - 1] : SHB_ID_NONE;
+    if (has_ids)
+        take_ids(own->ids, count, points->own_ids);
     points->are_exact = has_weights && place_all(map, own, r, points);
     points->has_ids = has_ids && (points->are_exact || !has_weights);
     for (size_t i = 0; !points->has_ids && i < count; i++)

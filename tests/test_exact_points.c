@@ -79,11 +79,16 @@ static void free_batch(named_batch *b) {
     free(b);
 }
 
-static bool place(named_batch *b, shb_isa isa) {
-    const shb_drawn_mesh mesh = {TRIANGLES, (const uint32_t(*)[3])b->corners,
+/* With the first triangles alone. */
+static bool place_among(named_batch *b, shb_isa isa, size_t triangles) {
+    const shb_drawn_mesh mesh = {triangles, (const uint32_t(*)[3])b->corners,
                                  (const double(*)[3])b->vertices};
     return shb_shade_kernels_of(isa)->place(&mesh, b->weight_1, b->weight_2, &b->receivers,
                                             &b->points);
+}
+
+static bool place(named_batch *b, shb_isa isa) {
+    return place_among(b, isa, TRIANGLES);
 }
 
 TEST(named_points_are_placed_with_the_bits_of_plain_arithmetic) {
@@ -114,6 +119,21 @@ TEST(named_points_are_told_from_others_by_any_coordinate_of_any_point) {
                 CHECK(!place(b, isa));
                 free_batch(b);
             }
+}
+
+TEST(named_points_are_not_placed_on_triangles_that_a_scene_has_not) {
+    for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa = test_isa_after(isa))
+        for (size_t i = 0; i < 21; i++) {
+            named_batch *b = new_batch(21, 200 + i);
+            test_random random = {200};
+            for (size_t n = 0; n < SHB_BATCH; n++) {
+                b->points.own_ids[n] = n == i ? TRIANGLES - 1 : 0;
+                add_point(b, &random, n);
+            }
+            CHECK(place(b, isa));
+            CHECK(!place_among(b, isa, TRIANGLES - 1));
+            free_batch(b);
+        }
 }
 
 /* Three steps of a float wide: rounding moves the points by more than 2^-18 of that. */

@@ -38,6 +38,14 @@ static inline ALWAYS_INLINE wd read_weights(const float *weights, size_t left) {
     return wd_load_floats(last);
 }
 
+/* Whole vectors are read. */
+static inline ALWAYS_INLINE bool are_below(const uint32_t *ids, size_t count, uint32_t limit) {
+    vi beyond = {0};
+    for (size_t i = 0; i < count; i += WIDE)
+        beyond |= vu_load(ids + i) >= limit;
+    return !vi_any(beyond);
+}
+
 /* Neighbours often share their triangles. */
 static bool place_on_triangles(const shb_drawn_mesh *mesh, const float *weight_1,
                                const float *weight_2, const shb_receivers *restrict r,
@@ -45,6 +53,8 @@ static bool place_on_triangles(const shb_drawn_mesh *mesh, const float *weight_1
     const float *const positions[3] = {r->x, r->y, r->z};
     double *const places[3] = {points->x, points->y, points->z};
     const uint32_t *ids = points->own_ids;
+    if (!are_below(ids, points->count, (uint32_t)mesh->triangle_count))
+        return false;
     triangle_lanes t = read_triangles(mesh, ids);
     wd agreed = wd_splat(1.0);
     for (size_t i = 0; i < points->count; i += DOUBLES) {

@@ -40,8 +40,9 @@ typedef struct shb_shade_kernels {
     void (*planes)(const shb_map *map, size_t count, const shb_quick_points *points,
                    float *visibility);
 
-    /* Places points on their triangles, which are there up to whole vectors, by weights of the
-     * second and third corner. False: one is far from where it should be. */
+    /* Places points on their triangles, which are named up to whole vectors, by weights of the
+     * second and third corner. False: there is no such triangle, or a point is far from where it
+     * should be. */
     bool (*place)(const shb_drawn_mesh *mesh, const float *weight_1, const float *weight_2,
                   const shb_receivers *receivers, shb_exact_points *points);
 
