@@ -6,6 +6,8 @@
 
 #include "filter_needs.h"
 #include "kernels/shade.h"
+#include "stages.h"
+#include "taps.h"
 
 static void pcf(const shb_filter_args *args) {
     args->map->context->shade_kernels->pcf(args);
@@ -13,6 +15,11 @@ static void pcf(const shb_filter_args *args) {
 
 static void pcf_exact(const shb_filter_args *args) {
     args->map->context->shade_kernels->pcf_exact(args);
+}
+
+bool shb_pcf_is_centered(const shb_filter *filter) {
+    const float *params = filter->params;
+    return filter->filter == pcf && params[1] != SHB_UNIT_WORLD && shb_box_size(params[0], 1) % 2;
 }
 
 shb_filter shb_filter_pcf(float size, shb_unit unit, shb_taps taps) {

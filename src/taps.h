@@ -10,6 +10,15 @@
 
 #include "light_point.h"
 
+/* Texels in a row of the largest box. */
+#define SHB_BOX_MAX 63
+
+/* Texels in a row of a box of this size, texels. */
+static inline int32_t shb_box_size(float size, float least) {
+    const float some = size > least ? size : least;
+    return (int32_t)((some < SHB_BOX_MAX ? some : SHB_BOX_MAX) + 0.5f);
+}
+
 /* SHB_TAPS_PLANE, and SHB_TAPS_OWN with steps of 0. Evaluated in this order everywhere. */
 static inline float shb_tap_depth(float ref, float step_x, float step_y, float m, float n) {
     return (ref + m * step_x) + n * step_y;

@@ -13,6 +13,12 @@ static void light_all(size_t count, float *visibility) {
         visibility[i] = 1;
 }
 
+/* Whether it matters where in its texel a point lies. */
+static bool needs_centers(const shb_bias *bias, const shb_filter *filter) {
+    const bool is_flat = !bias->depth || bias->depth == shb_constant_depth;
+    return bias->offset || !is_flat || !shb_pcf_is_centered(filter);
+}
+
 void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
                             const shb_asked_batch *batch, shb_receivers *receivers,
                             float *visibility) {
@@ -32,13 +38,14 @@ void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_
             light_all(count, visibility);
         return;
     }
-    const uint32_t needs = bias->needs | filter->needs;
+    const uint32_t centers = needs_centers(bias, filter) ? SHB_NEEDS_CENTERS : 0;
+    const uint32_t needs = bias->needs | filter->needs | centers;
     kernels->project(map, needs, count, batch->next, receivers);
     if (needs & SHB_NEEDS_NORMAL)
         kernels->normals(&map->projection, count, receivers);
     if (bias->offset) {
         bias->offset(&bias_args);
-        kernels->project(map, 0, count, NULL, receivers);
+        kernels->project(map, SHB_NEEDS_CENTERS, count, NULL, receivers);
     }
     if (bias->depth)
         bias->depth(&bias_args);

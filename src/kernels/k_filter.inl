@@ -2,8 +2,6 @@
 
 #include "../taps.h"
 
-#define BOX_MAX 63
-
 /* Floats in a row of a window: room for whole vectors. A row is left for those that begin at the
  * second texel of the last one. */
 #define BOX_PITCH 64
@@ -36,10 +34,10 @@ typedef struct box_batch {
     int32_t place[SHB_BATCH]; /* its number in a map of floats; -1: not to be read in place */
     float ref[SHB_BATCH], step_x[SHB_BATCH], step_y[SHB_BATCH]; /* as the map stores depth; of
                                                                    TAPS_FLAT ref is limited */
-    int32_t limited[SHB_BATCH];              /* of TAPS_PLANE: 0, or -1 where it is not TAPS_NEAR */
-    float window[(BOX_MAX + 1) * BOX_PITCH]; /* a copy of a box that cannot be read in place */
-    uint32_t occluders[(BOX_MAX + 1) * BOX_PITCH]; /* of the exact method: of its occluders */
-    float given[BOX_MAX * BOX_PITCH]; /* TAPS_GIVEN: depths of its taps, as the map stores depth */
+    int32_t limited[SHB_BATCH]; /* of TAPS_PLANE: 0, or -1 where it is not TAPS_NEAR */
+    float window[(SHB_BOX_MAX + 1) * BOX_PITCH]; /* a copy of a box that cannot be read in place */
+    uint32_t occluders[(SHB_BOX_MAX + 1) * BOX_PITCH]; /* of the exact method: of its occluders */
+    float given[SHB_BOX_MAX * BOX_PITCH]; /* TAPS_GIVEN: of its taps, as the map stores depth */
 } box_batch;
 
 /* Fragments of a batch, whole vectors of them: those whose boxes have n texels in a row. */
@@ -366,17 +364,12 @@ static void store_planes(const shb_receivers *restrict r, size_t count, box_batc
     }
 }
 
-static inline ALWAYS_INLINE int32_t box_size(float size, float least) {
-    const float some = size > least ? size : least;
-    return (int32_t)((some < BOX_MAX ? some : BOX_MAX) + 0.5f);
-}
-
 /* texel_size: NULL for sizes in texels. */
 static void box_sizes(const float *restrict texel_size, float size, float least, size_t count,
                       int32_t *restrict sizes) {
-    const int32_t all = box_size(size, least);
+    const int32_t all = shb_box_size(size, least);
     for (size_t i = 0; i < shb_round_to_lanes(count); i++)
-        sizes[i] = texel_size ? box_size(size / texel_size[i], least) : all;
+        sizes[i] = texel_size ? shb_box_size(size / texel_size[i], least) : all;
 }
 
 /* All but the planes. Reads the parameters size and unit. */

@@ -47,7 +47,7 @@ static size_t list_held(mutual_batch *mutual, size_t lanes, const held_taps *hel
         int32_t shadowed[WIDE];
         for (size_t lane = 0; lane < WIDE; lane++)
             shadowed[lane] = held->shadowed[i + lane] != 0;
-        const vi open = (vi_load(shadowed) != 0) & (vi_load(held->side + i) <= BOX_MAX / 2);
+        const vi open = (vi_load(shadowed) != 0) & (vi_load(held->side + i) <= SHB_BOX_MAX / 2);
         found = list_lit_by_own(mutual, i, open, fragments, own, found);
     }
     return keep_on_own(mutual, own, fragments, found);

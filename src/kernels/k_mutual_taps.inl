@@ -4,8 +4,8 @@ static void mutual_batch_init(const shb_filter_args *args, mutual_batch *batch) 
     const bool affine = args->map->projection.affine;
     batch->map = args->map;
     memcpy(&batch->receivers, args->receivers, offsetof(shb_receivers, cosine));
-    project_batch(args->map, args->filter->needs & SHB_NEEDS_SCALE, args->count, NULL,
-                  &batch->receivers);
+    project_batch(args->map, (args->filter->needs & SHB_NEEDS_SCALE) | SHB_NEEDS_CENTERS,
+                  args->count, NULL, &batch->receivers);
     if (affine)
         find_bounds(true, args->count, batch);
     else

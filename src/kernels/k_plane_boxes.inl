@@ -11,8 +11,8 @@ enum { IN_FRONT = 1, PASSING = 2 };
 
 /* How the rows of boxes of WIDE fragments lie to them, counted from the first row. */
 typedef struct row_ways {
-    float drop[BOX_MAX][WIDE]; /* of a fragment's plane, as its ref and steps */
-    float rising[BOX_MAX][WIDE], falling[BOX_MAX][WIDE];
+    float drop[SHB_BOX_MAX][WIDE]; /* of a fragment's plane, as its ref and steps */
+    float rising[SHB_BOX_MAX][WIDE], falling[SHB_BOX_MAX][WIDE];
 } row_ways;
 
 static inline ALWAYS_INLINE void find_row_ways(const box_batch *batch, const uint16_t *fragments,

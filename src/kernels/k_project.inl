@@ -83,19 +83,21 @@ static inline ALWAYS_INLINE bool are_ordinary(wd x, wd y, wd z) {
                        beyond(wd_abs(z), texel_limit));
 }
 
-static inline ALWAYS_INLINE void write_texels(wd column, wd row, wd depth,
+static inline ALWAYS_INLINE void write_texels(wd column, wd row, wd depth, bool centers,
                                               shb_receivers *restrict r, size_t i) {
     const wd texel_x = wd_floor(column), texel_y = wd_floor(row);
     wd_store_ints(r->texel_x + i, texel_x);
     wd_store_ints(r->texel_y + i, texel_y);
-    wd_store_floats(r->to_center_x + i, texel_x + 0.5 - column);
-    wd_store_floats(r->to_center_y + i, texel_y + 0.5 - row);
+    if (centers) {
+        wd_store_floats(r->to_center_x + i, texel_x + 0.5 - column);
+        wd_store_floats(r->to_center_y + i, texel_y + 0.5 - row);
+    }
     wd_store_floats(r->depth + i, depth);
 }
 
 /* A point that has no coordinates, behind the light or not finite, gets NaN for all three. */
 static inline ALWAYS_INLINE void project(const shb_map *map, bool affine, bool scale, bool slope,
-                                         size_t count, const shb_next_batch *next,
+                                         bool centers, size_t count, const shb_next_batch *next,
                                          shb_receivers *restrict r) {
     const shb_projection p = map->projection;
     const shb_light_rows rows = map->rows;
@@ -119,7 +121,7 @@ static inline ALWAYS_INLINE void project(const shb_map *map, bool affine, bool s
         }
         if (are_ordinary(x, y, z)) {
             z += 0.0; /* what good does to -0 */
-            write_texels(x, y, z, r, i);
+            write_texels(x, y, z, centers, r, i);
         } else {
             const wd good = (x + y + z) * 0.0; /* or NaN */
             x += good;
@@ -127,7 +129,7 @@ static inline ALWAYS_INLINE void project(const shb_map *map, bool affine, bool s
             z += good;
             w = wd_where_equal(good, zero, w, one);
             write_texels(limited(x, texel_limit), limited(y, texel_limit), limited(z, texel_limit),
-                         r, i);
+                         centers, r, i);
         }
         if (scale)
             write_scales(&p, w, r, i);
@@ -148,26 +150,36 @@ static void fill_scales(const shb_projection *projection, size_t count, shb_rece
     }
 }
 
+static inline ALWAYS_INLINE void project_perspective(const shb_map *map, bool scale, bool slope,
+                                                     bool centers, size_t count,
+                                                     const shb_next_batch *next,
+                                                     shb_receivers *receivers) {
+    if (scale)
+        project(map, false, true, slope, centers, count, next, receivers);
+    else
+        project(map, false, false, slope, centers, count, next, receivers);
+}
+
+/* Slopes are asked for together with centres. */
 static void project_batch(const shb_map *map, uint32_t needs, size_t count,
                           const shb_next_batch *next, shb_receivers *receivers) {
     const bool scale = (needs & SHB_NEEDS_SCALE) != 0, slope = (needs & SHB_NEEDS_SLOPE) != 0;
+    const bool centers = (needs & SHB_NEEDS_CENTERS) != 0;
     if (map->projection.affine) {
         if (slope)
-            project(map, true, false, true, count, next, receivers);
+            project(map, true, false, true, true, count, next, receivers);
+        else if (centers)
+            project(map, true, false, false, true, count, next, receivers);
         else
-            project(map, true, false, false, count, next, receivers);
+            project(map, true, false, false, false, count, next, receivers);
         if (scale)
             fill_scales(&map->projection, count, receivers);
     } else if (slope) {
-        if (scale)
-            project(map, false, true, true, count, next, receivers);
-        else
-            project(map, false, false, true, count, next, receivers);
+        project_perspective(map, scale, true, true, count, next, receivers);
+    } else if (centers) {
+        project_perspective(map, scale, false, true, count, next, receivers);
     } else {
-        if (scale)
-            project(map, false, true, false, count, next, receivers);
-        else
-            project(map, false, false, false, count, next, receivers);
+        project_perspective(map, scale, false, false, count, next, receivers);
     }
 }
 

@@ -12,12 +12,16 @@
 
 enum { SHB_DISPLAY_MARGIN = 13 };
 
+/* Beside the public SHB_NEEDS_*: fills to_center_*. */
+#define SHB_NEEDS_CENTERS 0x80000000u
+
 typedef struct shb_shade_kernels {
     /* Copies count triples without gaps; the last one fills up the lanes. */
     void (*load)(const float *triples, size_t count, float *x, float *y, float *z);
 
-    /* Positions to texels and depth; and, as needs names them, scales and slopes. Either side's
-     * normals do for slopes. next: what is asked for meanwhile, or NULL. */
+    /* Positions to texels and depth; and, as needs names them, ways to centres, scales and, not
+     * without centres, slopes. Either side's normals do for slopes. next: what is asked for
+     * meanwhile, or NULL. */
     void (*project)(const shb_map *map, uint32_t needs, size_t count, const shb_next_batch *next,
                     shb_receivers *receivers);
 
