@@ -270,11 +270,12 @@ static void list_corners(const shb_chunk *chunk, uint32_t triangle, size_t lane,
     }
 }
 
-/* The bounds of the triangles' own planes. */
-static void bound_planes(int count, const shb_corner_errors *errors,
+/* The bounds of the triangles' own planes. False: all are below 2, so none is infinite. */
+static bool bound_planes(int count, const shb_corner_errors *errors,
                          const chunk_corners *restrict corners, const chunk_boxes *restrict boxes,
                          const chunk_planes *restrict planes, double *restrict bounds) {
     const shb_corner_errors off = *errors;
+    uint64_t bits = 0;
     for (int t = 0; t < lanes_of(count); t++) {
         const double x0 = corners->x[0][t], y0 = corners->y[0][t];
         const double dx1 = corners->x[1][t] - x0, dx2 = corners->x[2][t] - x0;
@@ -283,7 +284,9 @@ static void bound_planes(int count, const shb_corner_errors *errors,
         bounds[t] = shb_plane_bound(&off, dx1 * dy2 - dx2 * dy1, planes->lo[t],
                                     MAX(z0, MAX(z1, z2)), boxes->width[t], boxes->height[t],
                                     planes->step_x[t], planes->step_y[t]);
+        bits |= shb_bits_of_double(bounds[t]);
     }
+    return bits >> 62 != 0;
 }
 
 /* Takes the planes of kept triangles whose own ones are not good enough. */
@@ -340,8 +343,8 @@ static void take_planes(const shb_chunk *chunk, const shb_plane_finder *finder, 
                         const int32_t *list, const chunk_corners *corners, const chunk_boxes *boxes,
                         chunk_planes *planes, uint32_t slopes[SHB_CHUNK]) {
     SHB_ALIGN double bounds[SHB_CHUNK];
-    bound_planes(count, &chunk->instance->corner_errors, corners, boxes, planes, bounds);
-    replace_planes(chunk, finder, count, list, boxes, planes, bounds);
+    if (bound_planes(count, &chunk->instance->corner_errors, corners, boxes, planes, bounds))
+        replace_planes(chunk, finder, count, list, boxes, planes, bounds);
     raise_planes(count, bounds, 1 / finder->slope_unit, boxes, planes, slopes);
 }
 
