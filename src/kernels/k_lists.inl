@@ -45,19 +45,20 @@ static inline float list_maxf(float a, float b) {
     return a > b ? a : b;
 }
 
-/* Corners from vertices, two lanes at a time. */
 static inline void gather_corners(const shb_list_vertex *vertices,
                                   const uint32_t *const corners[LIST_LANES],
                                   shb_list_corners *restrict out) {
-    typedef double list_pair __attribute__((vector_size(16), may_alias));
     for (int k = 0; k < 3; k++)
-        for (int i = 0; i < LIST_LANES; i += 2) {
-            const list_pair *a = (const list_pair *)&vertices[corners[i][k]];
-            const list_pair *b = (const list_pair *)&vertices[corners[i + 1][k]];
-            *(list_pair *)&out->x[k][i] = __builtin_shufflevector(a[0], b[0], 0, 2);
-            *(list_pair *)&out->y[k][i] = __builtin_shufflevector(a[0], b[0], 1, 3);
-            *(list_pair *)&out->z[k][i] = __builtin_shufflevector(a[1], b[1], 0, 2);
-            *(list_pair *)&out->inverse_w[k][i] = __builtin_shufflevector(a[1], b[1], 1, 3);
+        for (int i = 0; i < LIST_LANES; i += DOUBLES) {
+            const double *from[DOUBLES];
+            wd seen[4];
+            for (int lane = 0; lane < DOUBLES; lane++)
+                from[lane] = &vertices[corners[i + lane][k]].x;
+            wd_read_quads(from, seen);
+            wd_store(out->x[k] + i, seen[0]);
+            wd_store(out->y[k] + i, seen[1]);
+            wd_store(out->z[k] + i, seen[2]);
+            wd_store(out->inverse_w[k] + i, seen[3]);
         }
 }
 
