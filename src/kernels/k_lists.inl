@@ -247,6 +247,32 @@ static void put_outlines(const uint64_t *names, const uint32_t *const corners[LI
         }
 }
 
+/* The doubles that hold the bytes of two floats each. */
+static inline wd pairs_of(const float *restrict first, const float *restrict second) {
+    SHB_ALIGN float pairs[DOUBLES][2];
+    wd out;
+    for (int i = 0; i < DOUBLES; i++) {
+        pairs[i][0] = first[i];
+        pairs[i][1] = second[i];
+    }
+    memcpy(&out, pairs, sizeof out);
+    return out;
+}
+
+static void put_records(const prepared *restrict made, shb_list_triangle *restrict triangles) {
+    SHB_ALIGN double records[LIST_LANES][8];
+    for (int i = 0; i < LIST_LANES; i += DOUBLES) {
+        wd_store_quads(records[i], 8, wd_load(made->plane[0] + i), wd_load(made->plane[1] + i),
+                       wd_load(made->plane[2] + i), pairs_of(made->u[0] + i, made->u[1] + i));
+        wd_store_quads(records[i] + 4, 8, pairs_of(made->u[2] + i, made->v[0] + i),
+                       pairs_of(made->v[1] + i, made->v[2] + i),
+                       pairs_of(made->rest + i, made->margin + i),
+                       pairs_of(made->bound + i, made->clear + i));
+    }
+    for (int i = 0; i < LIST_LANES; i++)
+        memcpy(&triangles[i], records[i], sizeof records[i]);
+}
+
 static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_vertex *vertices,
                                   const uint64_t *names, const uint32_t *const corners[LIST_LANES],
                                   shb_list_triangle triangles[LIST_LANES],
@@ -258,20 +284,11 @@ static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_ve
     gather_corners(vertices, corners, &c);
     bound_triangles(frame, &c, &spread, &made);
     prepare_planes(frame, &c, &spread, &made);
-    for (int i = 0; i < LIST_LANES; i++) {
-        triangles[i] = (shb_list_triangle){
-            .plane = {made.plane[0][i], made.plane[1][i], made.plane[2][i]},
-            .u = {made.u[0][i], made.u[1][i], made.u[2][i]},
-            .v = {made.v[0][i], made.v[1][i], made.v[2][i]},
-            .rest = made.rest[i],
-            .margin = made.margin[i],
-            .bound = made.bound[i],
-            .clear = made.clear[i],
-        };
+    put_records(&made, triangles);
+    for (int i = 0; i < LIST_LANES; i++)
         boxes[i] = (shb_list_box){(uint16_t)made.first_column[i], (uint16_t)made.first_row[i],
                                   (uint16_t)made.last_column[i], (uint16_t)made.last_row[i],
                                   (uint16_t)made.level[i]};
-    }
     if (names)
         put_outlines(names, corners, &c, &made, outlines);
     return find_cut(frame, &c);
