@@ -411,6 +411,43 @@ TEST(sheets_are_the_same_for_every_instruction_set_and_any_threads) {
     soup_free(&s);
 }
 
+/* Quads one in the other over the left of a tile, more than cells of four texels have room for:
+ * texels at the right, beside them in a cell and far from them, have the same bounds in larger
+ * ones. */
+TEST(sheets_are_the_same_in_larger_cells) {
+    static const int quads[2] = {200, 1600};
+    enum { POINTS = 4000, FIRST_BESIDE = 30 };
+    shb_context *context = lists_context(1);
+    const shb_view view = probe_orthographic(false);
+    shb_map *maps[2];
+    for (int i = 0; i < 2; i++) {
+        soup s = {0};
+        for (int k = 0; k < quads[i]; k++)
+            soup_add_quad(&s, (float[]){-1.1f, -1.1f, 1.2f}, (float[]){-0.1f, -1.1f, 0.4f},
+                          (float[]){-0.1f, 1.1f, 0.4f}, (float[]){-1.1f, 1.1f, 1.2f});
+        soup_add_ball(&s, (float[]){0.4f, 0.1f, 1.4f}, 30, 30, NULL);
+        soup_add_box(&s, (float[]){-2, -2, -1}, (float[]){2, 2, 0});
+        maps[i] = draw_kind(context, &view, 64, 64, soup_scene(&s), true);
+        CHECK_INT(maps[i]->lists->tiles[0].cell_bits, SHB_LIST_BLOCK_BITS + i);
+        shb_reference *reference = NULL;
+        CHECK_INT(shb_reference_create(context, soup_scene(&s), &reference), SHB_OK);
+        list_samples samples = list_samples_create(soup_scene(&s), POINTS, 11);
+        list_samples_find_truth(reference, &view, &samples);
+        CHECK_INT(ask(maps[i], &samples).wrong, 0);
+        list_samples_free(&samples);
+        shb_reference_destroy(reference);
+        soup_free(&s);
+    }
+    const shb_sheets *small = shb_map_sheets(maps[0]), *large = shb_map_sheets(maps[1]);
+    for (size_t row = 0; row < 64; row++)
+        CHECK(memcmp(small->bounds + row * small->stride + FIRST_BESIDE,
+                     large->bounds + row * large->stride + FIRST_BESIDE,
+                     (64 - FIRST_BESIDE) * sizeof *small->bounds) == 0);
+    shb_map_destroy(maps[0]);
+    shb_map_destroy(maps[1]);
+    shb_context_destroy(context);
+}
+
 TEST(sheets_without_memory_are_an_error_at_every_allocation) {
     soup s = {0};
     soup_add_ball(&s, (float[]){0, 0, 0}, 8, 8, NULL);
