@@ -163,21 +163,22 @@ static void find_spans(inquiry *q, size_t count) {
 
 /* The points of a run that a triangle blocks. */
 static uint32_t blocked_of(const inquiry *q, const shb_list_question *answered) {
-    const uint32_t open = q->runs[answered->run].open;
-    uint32_t blocked = answered->asked & open;
+    const uint32_t open = q->runs[answered->bytes & 0xff].open;
+    const size_t first = shb_list_byte(answered, SHB_LIST_FIRST);
+    uint32_t blocked = shb_list_byte(answered, SHB_LIST_ASKED) & open;
     const shb_list_triangle *t = &q->lists->triangles[answered->triangle];
-    uint32_t doubt = answered->doubt & open;
+    uint32_t doubt = shb_list_byte(answered, SHB_LIST_DOUBT) & open;
     for (; doubt; doubt &= doubt - 1)
-        if (blocks_in_doubt(q, t, answered->first + (size_t)__builtin_ctz(doubt)))
+        if (blocks_in_doubt(q, t, first + (size_t)__builtin_ctz(doubt)))
             blocked |= doubt & -doubt;
     return blocked;
 }
 
 static void settle(inquiry *q, const shb_list_question *answered, float *visibility) {
     const uint32_t blocked = blocked_of(q, answered);
-    q->runs[answered->run].open &= (uint8_t)~blocked;
+    q->runs[answered->bytes & 0xff].open &= (uint8_t)~blocked;
     for (uint32_t bits = blocked; bits; bits &= bits - 1)
-        visibility[answered->first + __builtin_ctz(bits)] = 0;
+        visibility[shb_list_byte(answered, SHB_LIST_FIRST) + (size_t)__builtin_ctz(bits)] = 0;
 }
 
 /* Drops runs that have nothing left to ask or to be asked. */

@@ -33,25 +33,25 @@ keep_covered(const shb_list_triangle *triangles, const shb_list_group *g, bool h
     for (size_t i = 0; i < count; i++) {
         fetch_asked(triangles, questions, i + LIST_ASK_AHEAD, count);
         shb_list_question q = questions[i];
+        const size_t first = shb_list_byte(&q, SHB_LIST_FIRST);
         const shb_list_triangle *t = &triangles[q.triangle];
         const float margin = 2 * t->margin;
         uint32_t covered = 0, inside = 0;
         for (int lane = 0; lane < SHB_LIST_RUN; lane += WIDE) {
-            const vf x = vf_load(g->about_x + q.first + lane);
-            const vf y = vf_load(g->about_y + q.first + lane);
+            const vf x = vf_load(g->about_x + first + lane);
+            const vf y = vf_load(g->about_y + first + lane);
             const vf u = (t->u[0] * x + t->u[1] * y) + t->u[2];
             const vf v = (t->v[0] * x + t->v[1] * y) + t->v[2];
             const vf least = vf_min(vf_min(u, v), (t->rest - u) - v);
-            const vm covers = vm_not_above(vf_splat(0), least);
-            covered |= vm_bits(covers) << lane;
-            inside |= vm_bits(vm_below(covers, vf_splat(margin), least)) << lane;
+            covered |= vm_bits(vm_not_above(vf_splat(0), least)) << lane;
+            inside |= vm_bits(vm_less(vf_splat(margin), least)) << lane;
         }
         if (has_own)
-            covered &= ~own_points(g, q.triangle, q.first);
-        q.asked = (uint8_t)(q.asked & covered);
-        q.doubt = (uint8_t)inside;
+            covered &= ~own_points(g, q.triangle, first);
+        const uint32_t asked = q.bytes & covered << SHB_LIST_ASKED;
+        q.bytes = (q.bytes & 0xffff) | asked | inside << SHB_LIST_DOUBT;
         questions[kept] = q;
-        kept += q.asked != 0;
+        kept += asked != 0;
     }
     return kept;
 }
@@ -76,6 +76,7 @@ static size_t answer_questions(const shb_list_frame *frame, const shb_list_trian
     size_t kept = 0;
     for (size_t i = 0; i < covered; i++) {
         shb_list_question q = questions[i];
+        const size_t first = shb_list_byte(&q, SHB_LIST_FIRST);
         const shb_list_triangle *t = &triangles[q.triangle];
         const wd bound = wd_splat((double)(is_rounded ? t->bound : -t->bound));
         const wd clear = wd_splat((double)t->clear);
@@ -83,7 +84,7 @@ static size_t answer_questions(const shb_list_frame *frame, const shb_list_trian
         list_changes(frame, t, changes);
         uint32_t behind = 0, clearly = 0;
         for (int lane = 0; lane < SHB_LIST_RUN; lane += DOUBLES) {
-            const size_t at = (size_t)(q.first + lane);
+            const size_t at = first + (size_t)lane;
             const wd distance = ((wd_splat(t->plane[0]) * wd_load(g->x + at) +
                                   wd_splat(t->plane[1]) * wd_load(g->y + at)) +
                                  wd_splat(t->plane[2])) +
@@ -95,9 +96,10 @@ static size_t answer_questions(const shb_list_frame *frame, const shb_list_trian
             behind |= wd_greater_bits(distance, least) << lane;
             clearly |= wd_greater_bits(distance, clear) << lane;
         }
-        const uint32_t met = q.asked & behind;
-        q.asked = (uint8_t)(met & q.doubt & (is_rounded ? behind : clearly));
-        q.doubt = (uint8_t)(met & ~(uint32_t)q.asked);
+        const uint32_t met = shb_list_byte(&q, SHB_LIST_ASKED) & behind;
+        const uint32_t sure = shb_list_byte(&q, SHB_LIST_DOUBT) & (is_rounded ? behind : clearly);
+        q.bytes =
+            (q.bytes & 0xffff) | (met & sure) << SHB_LIST_ASKED | (met & ~sure) << SHB_LIST_DOUBT;
         questions[kept] = q;
         kept += met != 0;
     }

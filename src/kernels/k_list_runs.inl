@@ -146,19 +146,18 @@ static const int32_t list_pairs[16][8] = {{0},
 /* Questions of those of a run's next entries that do not begin behind its depth. */
 static inline size_t take_step(const shb_list_run *run, size_t number, size_t left,
                                shb_list_question *questions) {
+    const uint32_t bytes = (uint32_t)number | (uint32_t)run->first << SHB_LIST_FIRST |
+                           (uint32_t)run->open << SHB_LIST_ASKED;
 #if DOUBLES == 8
     const __m512i step = _mm512_loadu_si512(run->entry);
     const __m256 begins = _mm256_castsi256_ps(_mm512_cvtepi64_epi32(_mm512_srli_epi64(step, 32)));
     const __mmask8 before = _mm256_cmp_ps_mask(begins, _mm256_set1_ps(run->depth), _CMP_LE_OQ);
     const uint32_t taken = before & ((1u << left) - 1);
-    const uint32_t rest = (uint32_t)number | (uint32_t)run->first << 8 | (uint32_t)run->open << 16;
-    const __m512i made = _mm512_mask_blend_epi32(0xaaaa, step, _mm512_set1_epi32((int32_t)rest));
+    const __m512i made = _mm512_mask_blend_epi32(0xaaaa, step, _mm512_set1_epi32((int32_t)bytes));
     _mm512_storeu_si512(questions, _mm512_maskz_compress_epi64((__mmask8)taken, made));
     return (size_t)__builtin_popcount(taken);
 #elif DOUBLES == 4
     const __m256 depth = _mm256_set1_ps(run->depth);
-    const int32_t rest =
-        (int32_t)((uint32_t)number | (uint32_t)run->first << 8 | (uint32_t)run->open << 16);
     const uint32_t most = (1u << left) - 1;
     size_t count = 0;
     for (int half = 0; half < SHB_LIST_STEP; half += 4) {
@@ -166,7 +165,7 @@ static inline size_t take_step(const shb_list_run *run, size_t number, size_t le
         const __m256 before = _mm256_cmp_ps(_mm256_castsi256_ps(four), depth, _CMP_LE_OQ);
         const uint32_t taken =
             (uint32_t)_mm256_movemask_pd(_mm256_castps_pd(before)) & (most >> half);
-        const __m256i made = _mm256_blend_epi32(four, _mm256_set1_epi32(rest), 0xaa);
+        const __m256i made = _mm256_blend_epi32(four, _mm256_set1_epi32((int32_t)bytes), 0xaa);
         const __m256i order = _mm256_loadu_si256((const __m256i *)(const void *)list_pairs[taken]);
         _mm256_storeu_si256((__m256i *)(void *)(questions + count),
                             _mm256_permutevar8x32_epi32(made, order));
@@ -176,10 +175,7 @@ static inline size_t take_step(const shb_list_run *run, size_t number, size_t le
 #else
     size_t count = 0;
     for (size_t i = 0; i < SHB_LIST_STEP; i++) {
-        questions[count] = (shb_list_question){.triangle = run->entry[i].triangle,
-                                               .run = (uint8_t)number,
-                                               .first = run->first,
-                                               .asked = run->open};
+        questions[count] = (shb_list_question){run->entry[i].triangle, bytes};
         count += (i < left) & (run->entry[i].begin <= run->depth);
     }
     return count;
