@@ -262,6 +262,31 @@ TEST(what_the_near_plane_cuts_blocks_before_all_corners_behind_it) {
     soup_free(&s);
 }
 
+/* A slope from y = 5 down to y = -5 through the near plane at y = 0, where x is 1. Texels are half
+ * a unit wide. */
+TEST(what_lies_before_the_near_plane_blocks_no_point_however_it_is_rounded) {
+    soup s = {0};
+    soup_add(&s, (float[]){-4, 5, 0}, (float[]){6, -5, 3}, (float[]){6, -5, -3});
+    const shb_vec3 eye = {0, 0, 0}, below = {0, -1, 0}, up = {0, 0, 1};
+    const double x[] = {0.875, 1.125}, y[] = {-5, -5}, z[] = {0, 0};
+    shb_context *context = lists_context(1);
+    for (int reversed = 0; reversed < 2; reversed++) {
+        shb_view view;
+        CHECK_INT(shb_view_orthographic(eye, below, up, 8, 8, 0, 20, reversed, &view), SHB_OK);
+        shb_lists *lists = lists_of(context, &view, 16, soup_scene(&s));
+        for (int rounded = 0; rounded < 2; rounded++) {
+            const shb_list_points points = {
+                .count = 2, .x = x, .y = y, .z = z, .rounding = rounded ? 0x1p-24 : 0};
+            float visibility[2];
+            shb_lists_query(lists, &points, visibility);
+            CHECK(visibility[0] == 1 && visibility[1] == 0);
+        }
+        shb_lists_destroy(lists);
+    }
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
 /* Two level plates a gap apart, turned so that nothing is exact; ids 0, 1 below and 2, 3 above. */
 static void add_plates(soup *s, float gap) {
     for (int plate = 0; plate < 2; plate++) {
@@ -356,6 +381,33 @@ static void ask_behind_own_plate(shb_isa isa) {
 TEST(a_points_own_triangle_does_not_shadow_it_however_far_it_lies_behind) {
     for (shb_isa isa = SHB_ISA_SCALAR; isa < SHB_ISA_COUNT; isa++)
         ask_behind_own_plate(isa);
+}
+
+/* Below the edge that two triangles share, which leaves both to the ray. */
+TEST(an_own_triangle_that_is_not_finite_takes_no_shadow_away) {
+    soup s = {0};
+    soup_add_quad(&s, (float[]){-1, -1, 0}, (float[]){1, -1, 0}, (float[]){1, 1, 0},
+                  (float[]){-1, 1, 0});
+    for (int corner = 0; corner < 3; corner++) {
+        float own[9] = {0, 0, -0.5f, 1, 0, -0.5f, 0, 1, -0.5f};
+        own[3 * corner + 2] = corner == 1 ? INFINITY : NAN;
+        soup_add(&s, own, own + 3, own + 6);
+    }
+    shb_context *context = lists_context(1);
+    const shb_box box = {{-1, -1, -1}, {1, 1, 1}};
+    const shb_view view = lists_view(&(lists_light){false, {0, 0, 1}}, box, 16, false);
+    shb_lists *lists = lists_of(context, &view, 16, soup_scene(&s));
+    const double x[] = {0, 0, 0}, z[] = {-0.5, -0.5, -0.5};
+    const uint32_t own_ids[] = {2, 3, 4};
+    float visibility[3];
+    shb_lists_query(lists,
+                    &(shb_list_points){.count = 3, .x = x, .y = x, .z = z, .own_ids = own_ids},
+                    visibility);
+    for (int i = 0; i < 3; i++)
+        CHECK(visibility[i] == 0);
+    shb_lists_destroy(lists);
+    shb_context_destroy(context);
+    soup_free(&s);
 }
 
 /* A plate hinged on the ground at y = 0 and one degree (slope 0.0175): its shadow begins there. */
