@@ -324,3 +324,29 @@ TEST(a_map_with_lists_answers_as_rays_without_normals) {
     shb_context_destroy(context);
     soup_free(&s);
 }
+
+/* Texels are (x + 1) * 8 and (1 - y) * 8, depth -z / 20. One corner lies before the near plane; the
+ * others are seen at (16, 16) and (8, 0) with depth 0.05. */
+TEST(what_the_near_plane_cuts_has_a_plane_unless_that_overflows) {
+    const double corners[3][3] = {{-1, -1, 1}, {1, -1, -1}, {0, 1, -1}};
+    const double not_finite[3][3] = {{-1, -1, 1e100}, {1, -1, -1}, {0, 1, -1}};
+    shb_view view;
+    CHECK_INT(shb_view_orthographic((shb_vec3){0, 0, 0}, (shb_vec3){0, 0, -1}, (shb_vec3){0, 1, 0},
+                                    1, 1, 0, 20, false, &view),
+              SHB_OK);
+    shb_list_frame frame;
+    CHECK_INT(shb_list_frame_init(&view, 16, 16, &frame), SHB_OK);
+    shb_list_frame_fit(&frame, 1, &(shb_list_extent){1, 0, 1});
+    shb_list_triangle triangle;
+    shb_list_box box;
+    shb_list_triangle_cut(&frame, corners, &triangle, &box);
+    CHECK(!shb_list_box_is_none(&box) && triangle.bound < 1e-12f);
+    CHECK_NEAR(shb_list_behind(&triangle, 16, 16, 0.05), 0, 1e-12);
+    CHECK_NEAR(shb_list_behind(&triangle, 8, 0, 0.05), 0, 1e-12);
+    CHECK_NEAR(shb_list_behind(&triangle, 0, 16, -0.05), 0, 1e-12);
+    shb_list_triangle_cut(&frame, not_finite, &triangle, &box);
+    CHECK(shb_list_box_is_none(&box));
+    frame.errors[2] = HUGE_VAL;
+    shb_list_triangle_cut(&frame, corners, &triangle, &box);
+    CHECK(!shb_list_box_is_none(&box) && triangle.bound == HUGE_VALF);
+}
