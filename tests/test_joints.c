@@ -1,6 +1,7 @@
 /* What is found of a map when it is asked: joints of texels. */
 #include "../src/map.h"
 
+#include "allocator.h"
 #include "asked_map.h"
 #include "probe.h"
 #include "slow_taps.h"
@@ -92,6 +93,32 @@ static bool is_joined(const shb_joints *joints, int x, int y, int bit) {
     const uint64_t word =
         joints->words[(size_t)y * joints->pitch + SHB_JOINT_MARGIN + (size_t)(x / SHB_JOINT_WORD)];
     return word >> (bit + x % SHB_JOINT_WORD) & 1;
+}
+
+static void *filled_alloc(void *user, size_t size, size_t alignment) {
+    void *memory = test_allocator_hooks(user).alloc(user, size, alignment);
+    return memory ? memset(memory, 0xff, size) : NULL;
+}
+
+TEST(texels_beyond_the_ends_of_a_row_are_joined_to_none_whatever_memory_held) {
+    test_allocator state = {0};
+    const shb_context_desc desc = {
+        .allocator = {filled_alloc, test_allocator_hooks(&state).free, &state}, .threads = 1};
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+    shb_joints joints;
+    CHECK(shb_joints_create(context, 65, 17, &joints));
+    CHECK_INT(joints.pitch, 2 * SHB_JOINT_MARGIN + 8);
+    for (size_t y = 0; y < 17; y++)
+        for (size_t i = 0; i < SHB_JOINT_MARGIN; i++) {
+            const _Atomic uint64_t *row = joints.words + y * joints.pitch;
+            CHECK(row[i] == 0 && row[joints.pitch - 1 - i] == 0);
+        }
+    for (size_t i = 0; i < 4; i++)
+        CHECK_INT(joints.found[i], 0);
+    shb_joints_destroy(context, &joints);
+    shb_context_destroy(context);
+    CHECK_INT(state.live, 0);
 }
 
 TEST(joints_tell_in_each_direction_whether_the_planes_of_neighbours_meet) {
