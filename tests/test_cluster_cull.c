@@ -317,3 +317,34 @@ TEST(clusters_outside_of_the_view_are_dropped) {
     shb_context_destroy(context);
     soup_free(&s);
 }
+
+/* So far to a side or so large that drawing reports their triangles as not finite. */
+TEST(clusters_that_are_not_finite_are_left_to_drawing) {
+    shb_context *context = test_context(0, SHB_ISA_BEST);
+    test_random random = {43};
+    soup s = {0};
+    add_patch(&s, &random, 8, 0.01);
+    const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, mesh, &clusters), SHB_OK);
+    const shb_target target = shb_target_of(64, 64, false);
+    for (int way = 0; way < 6; way++) {
+        const shb_vec3 eye = {0, 0, 5}, middle = {0, 0, 0}, up = {0, 1, 0};
+        shb_view view = {0};
+        if (way % 2)
+            CHECK_INT(shb_view_orthographic(eye, middle, up, 4, 4, 1, 20, false, &view), SHB_OK);
+        else
+            CHECK_INT(shb_view_perspective(eye, middle, up, 0.6, 1, 1, 20, false, &view), SHB_OK);
+        double place[3] = {0};
+        place[way / 2] = 1e100;
+        const shb_draw_instance instance = instance_of(
+            mesh, clusters, &view, shb_mat4_translation(place[0], place[1], place[2]), 0);
+        tally counts = {0};
+        for (size_t i = 0; i < clusters->count; i++)
+            CHECK(check_cluster(&target, &instance, &clusters->clusters[i], &counts));
+        CHECK_INT(counts.doubtful, clusters->count);
+    }
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
