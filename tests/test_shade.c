@@ -253,6 +253,12 @@ TEST(shade_ids_that_do_not_exist_are_background) {
     check_pixel(t.pixels + 15, 153, 0, 255);
     check_pixel(t.pixels + 93, 153, 0, 255);
     check_pixel(t.pixels + 3, 51, 51, 51);
+    /* An index out of range takes its triangle away, here the second one. */
+    t.q.indices[5] = 4;
+    CHECK_INT(shb_shade(t.context, &t.desc), SHB_OK);
+    check_pixel(t.pixels + 3, 51, 51, 51);
+    check_pixel(t.pixels + 24, 153, 0, 255);
+    t.q.indices[5] = 3;
     /* A corner that is not finite takes its triangle away, here the first one. */
     t.q.positions[3] = NAN;
     CHECK_INT(shb_shade(t.context, &t.desc), SHB_OK);
