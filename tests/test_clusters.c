@@ -174,6 +174,40 @@ TEST(clusters_of_a_dense_mesh_give_the_scalar_depths_in_a_large_target) {
     free_grid(&grid);
 }
 
+/* Bands of the target, one an instance: those in the middle have no clusters. */
+TEST(instances_without_clusters_are_drawn_between_those_with_them) {
+    shuffled_grid grid = make_grid(8, 8, NULL);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
+    shb_mesh clustered = grid.mesh;
+    clustered.clusters = clusters;
+    shb_instance with[4], without[4];
+    for (int i = 0; i < 4; i++) {
+        shb_mat4 place = shb_mat4_scaling(16, 64, 1);
+        place.m[12] = 16 * i;
+        place.m[14] = 0.125 * (i + 1);
+        with[i] = (shb_instance){.mesh = i == 1 || i == 2 ? &grid.mesh : &clustered,
+                                 .world_from_mesh = place};
+        without[i] = (shb_instance){.mesh = &grid.mesh, .world_from_mesh = place};
+    }
+    const shb_view view = test_pixel_view(64, 64);
+    test_target drawn = test_target_create(64, 64), expected = test_target_create(64, 64);
+    const shb_scene scenes[2] = {{with, 4}, {without, 4}};
+    const shb_draw_desc desc[2] = {test_target_desc(&drawn, &view, &scenes[0]),
+                                   test_target_desc(&expected, &view, &scenes[1])};
+    for (int i = 0; i < 2; i++)
+        CHECK_INT(shb_draw(context, &desc[i], NULL), SHB_OK);
+    CHECK(test_target_equal(&drawn, &expected));
+    for (int i = 0; i < 4; i++)
+        CHECK(drawn.depth[32 * 64 + 16 * i + 8] == 0.125f * (float)(i + 1));
+    test_target_destroy(&drawn);
+    test_target_destroy(&expected);
+    shb_clusters_destroy(clusters);
+    shb_context_destroy(context);
+    free_grid(&grid);
+}
+
 static double product_with(const shb_mesh *mesh, uint32_t triangle, int x, int y, int z) {
     uint32_t corners[3];
     shb_mesh_triangle(mesh, triangle, corners);

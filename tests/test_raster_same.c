@@ -81,3 +81,23 @@ TEST(drawing_is_the_same_for_all_tiles_and_threads) {
     }
     free(corners);
 }
+
+/* 257 columns by 17 rows of 16 x 16 pixels. */
+TEST(more_small_tiles_than_a_target_is_cut_into_draw_the_same) {
+    enum { WIDE = 257 * 16, HIGH = 17 * 16 };
+    const float corners[18] = {4090, 0,  0.25f, 4112, 0,   0.5f, 4101, 272, 0.75f,
+                               0,    90, 0.5f,  4112, 100, 0.5f, 9,    120, 0.125f};
+    const shb_mesh mesh = {.positions = corners, .vertex_count = 6, .triangle_count = 2};
+    const shb_instance instance = {.mesh = &mesh};
+    const shb_scene scene = {&instance, 1};
+    const shb_view view = test_pixel_view(WIDE, HIGH);
+    test_target expected = test_target_create(WIDE, HIGH), target = test_target_create(WIDE, HIGH);
+    const shb_context_desc scalar = {.threads = 1, .max_isa = SHB_ISA_SCALAR},
+                           best = {.threads = 2};
+    const shb_draw_stats stats = draw(&scalar, &expected, &view, &scene, 512);
+    CHECK_INT(stats.drawn, 2);
+    draw(&best, &target, &view, &scene, 16);
+    CHECK(test_target_equal(&target, &expected));
+    test_target_destroy(&target);
+    test_target_destroy(&expected);
+}
