@@ -379,49 +379,59 @@ TEST(clusters_fail_cleanly_wherever_memory_is_out) {
     free_grid(&grid);
 }
 
-/* Drawing with clusters, both tiles and coded triangles, where memory runs out. */
-static bool draw_without_memory(const shb_scene *scene, const shb_view *view, size_t fail_at) {
+/* Drawing where memory runs out at an allocation; leaves the images alone then. */
+static bool draw_without_memory(shb_draw_desc desc, bool depth, uint32_t threads, size_t fail_at) {
     test_allocator state = {0};
     shb_context *context = NULL;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.allocator = test_allocator_hooks(&state)},
-                                 &context),
-              SHB_OK);
-    static float depth[64 * 64];
-    for (int i = 0; i < 64 * 64; i++)
-        depth[i] = 7;
-    const shb_draw_desc desc = {.view = view,
-                                .scene = scene,
-                                .width = 64,
-                                .height = 64,
-                                .depth = {.texels = depth},
-                                .tile_size = 16};
+    const shb_context_desc made = {.allocator = test_allocator_hooks(&state), .threads = threads};
+    CHECK_INT(shb_context_create(&made, &context), SHB_OK);
+    test_target target = test_target_create(64, 64), before = test_target_create(64, 64);
+    desc.width = desc.height = 64;
+    desc.ids = depth ? NULL : target.ids;
+    desc.depth.texels = depth ? target.depth : NULL;
     state.fail_at = state.calls + fail_at;
     const shb_result result = shb_draw(context, &desc, NULL);
     CHECK(result == SHB_OK || result == SHB_ERROR_MEMORY);
-    for (int i = 0; i < 64 * 64; i++)
-        if (result && depth[i] != 7)
-            CHECK(false);
+    CHECK(test_target_equal(&target, &before) == (result != SHB_OK));
+    test_target_destroy(&target);
+    test_target_destroy(&before);
     shb_context_destroy(context);
     CHECK_INT(state.live, 0);
     return result == SHB_OK;
 }
 
-TEST(drawing_clusters_fails_cleanly_wherever_memory_is_out) {
+/* Tiles and coded triangles; clusters of many layers in tiles; the whole target, by one thread and
+ * by several. Without a depth image, all but the first. */
+TEST(drawing_fails_cleanly_wherever_memory_is_out) {
+    enum { INSTANCES = 16 };
+    static const struct {
+        bool clustered, depth;
+        uint32_t threads, tile_size, instances;
+    } ways[] = {{true, true, 0, 16, 1},
+                {true, false, 2, 16, INSTANCES},
+                {false, false, 1, 0, 1},
+                {false, false, 4, 0, INSTANCES}};
     shb_context *context = test_context(0, SHB_ISA_BEST);
     shuffled_grid grid = make_grid(16, 16, NULL);
     shb_clusters *clusters = NULL;
     CHECK_INT(shb_clusters_create(context, &grid.mesh, &clusters), SHB_OK);
-    grid.mesh.clusters = clusters;
-    const shb_instance instance = {.mesh = &grid.mesh};
-    const shb_scene scene = {&instance, 1};
     shb_view view = {0};
     CHECK_INT(shb_view_perspective((shb_vec3){0.5, 0.5, 0.05}, (shb_vec3){1, 1, 0},
                                    (shb_vec3){0, 0, 1}, 1, 1, 0.01, 9, false, &view),
               SHB_OK);
-    size_t fail_at = 1;
-    while (!draw_without_memory(&scene, &view, fail_at))
-        fail_at++;
-    CHECK(fail_at > 8);
+    shb_instance instances[INSTANCES];
+    for (int i = 0; i < INSTANCES; i++)
+        instances[i] = (shb_instance){.mesh = &grid.mesh};
+    for (size_t way = 0; way < sizeof ways / sizeof *ways; way++) {
+        grid.mesh.clusters = ways[way].clustered ? clusters : NULL;
+        const shb_scene scene = {instances, ways[way].instances};
+        const shb_draw_desc desc = {
+            .view = &view, .scene = &scene, .tile_size = ways[way].tile_size};
+        size_t fail_at = 1;
+        while (!draw_without_memory(desc, ways[way].depth, ways[way].threads, fail_at))
+            fail_at++;
+        CHECK(fail_at > (ways[way].clustered ? 8 : 4));
+    }
     shb_clusters_destroy(clusters);
     shb_context_destroy(context);
     free_grid(&grid);
