@@ -40,9 +40,10 @@
  * <= 1/4, a slope s = n.zy / n.xy is within 4/3 (error + |s| error_xy) / |n.xy| + 2 u |s|. Doubled
  * instead, that leaves room for |n.xy| itself. Runs are slopes times at most half a texel, which
  * has the coordinate's error; and they are rounded to float by both sides, 12 u of the slopes.
- * That all of these are less than most_error says that error_xy is small enough, as error_other
- * over |n.xy| is less then, and that slopes with their errors are below 1, where they are cut off,
- * as error_slope times the slopes is less. */
+ * All sizes are less than errors / (16 u); with these below 2^60 and, with N, above 2^-100, neither
+ * overflows nor roundings of what underflows count. That all of these are less than most_error says
+ * that error_xy is small enough, as error_other over |n.xy| is less then, and that slopes with
+ * their errors are below 1, where they are cut off, as error_slope times the slopes is less. */
 #include "strict.h"
 
 #include "quick_test.h"
@@ -172,7 +173,8 @@ static double product_error(double size, const double *v, const double *a, const
            64 * D * (sum3(v) + sum_a * far_a + sum_b * far_b);
 }
 
-static void set_slopes(const shb_projection *p, double normal, const coordinate *x,
+/* False if some products would leave the range of floats. */
+static bool set_slopes(const shb_projection *p, double normal, const coordinate *x,
                        const coordinate *y, const coordinate *z, shb_quick_test *test) {
     const double xy =
         relative(p->x_cross_y, p->x_cross_w, y->base, p->y_cross_w, x->base, test->xy);
@@ -192,6 +194,8 @@ static void set_slopes(const shb_projection *p, double normal, const coordinate 
     test->error_other = (float)(2 * normal * (error_zy + error_xz));
     test->error_slope = (float)(larger(x->error, y->error) + 16 * U);
     test->most_error = fminf(0.49f * test->error_other / test->error_xy, 0.49f * test->error_slope);
+    const double errors = error_xy + error_zy + error_xz;
+    return normal * errors > 0x1p-100 && larger(normal, 1) * errors < 0x1p60;
 }
 
 bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
@@ -214,6 +218,8 @@ bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
     test->w[3] = (float)b.w;
     double power = 1, epsilon = 0;
     for (int i = 0; i < 3; i++, power *= b.inverse) {
+        if (bias->epsilon[i] != 0 && fabs(bias->epsilon[i]) < 0x1p-100)
+            return false; /* floats lose its digits */
         test->epsilon[i] = (float)bias->epsilon[i];
         epsilon += fabs(bias->epsilon[i]) * power;
     }
@@ -226,9 +232,7 @@ bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
     test->sure = (float)(0.5 - larger(x.error, y.error) - U);
     const double rounding = 8 * U * (1 + fabs(z.base) + z.reach + epsilon) + 64 * U * epsilon;
     test->error = (float)((z.error + rounding) * (1 + 0x1p-20));
-    if (bias->plane)
-        set_slopes(&map->projection, (double)test->normal, &x, &y, &z, test);
-    return true;
+    return !bias->plane || set_slopes(&map->projection, (double)test->normal, &x, &y, &z, test);
 }
 
 static bool constant_epsilon(const shb_map *map, const shb_bias *bias, double epsilon[3]) {

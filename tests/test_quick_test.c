@@ -145,6 +145,15 @@ TEST(quick_test_says_what_doubles_say_at_any_scale) {
             check_place(isa, (shb_vec3){0, 0, 0}, scale);
 }
 
+/* Where products of two sizes of texels are out of the range of floats, or lose their digits. */
+TEST(quick_test_says_what_doubles_say_at_scales_that_floats_do_not_square) {
+    const double scales[] = {0x1p-70, 0x1p-61, 0x1p68, 0x1p74};
+    for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
+         isa = test_isa_after(isa))
+        for (int i = 0; i < 4; i++)
+            check_place(isa, (shb_vec3){0, 0, 0}, scales[i]);
+}
+
 TEST(quick_test_says_what_doubles_say_far_from_the_origin) {
     for (shb_isa isa = test_isa_after(SHB_ISA_SCALAR); isa < SHB_ISA_COUNT;
          isa = test_isa_after(isa))
