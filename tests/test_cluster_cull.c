@@ -72,11 +72,13 @@ static void make_surface(surface_kind kind, test_random *random, soup *s) {
     case SURFACE_BALL:
         soup_add_ball(s, (const float[3]){0, 0, 0}, 32, 24, NULL);
         break;
-    case SURFACE_FINE:
+    case SURFACE_FINE: {
+        const float size = (float)pow(10, random_double(random, -3, -1.5));
         add_patch(s, random, 32, 0.01);
         for (uint32_t i = 0; i < 9 * s->count; i++)
-            s->positions[i] *= 1e-3f;
+            s->positions[i] *= size;
         break;
+    }
     case SURFACE_NEEDLES:
     case SURFACE_FLAT:
         add_patch(s, random, 32, random_double(random, 0, 0.05));
@@ -248,7 +250,7 @@ TEST(clusters_are_dropped_only_with_all_of_their_triangles) {
     size_t doubtful = 0;
     for (surface_kind kind = 0; kind < SURFACE_KINDS; kind++) {
         tally counts = {0};
-        for (int i = 0; i < 10; i++)
+        for (int i = 0; i < 20; i++)
             check_surface(context, kind, &random, &counts);
         CHECK(counts.dropped > 100 && counts.plain > 10);
         doubtful += counts.doubtful;
