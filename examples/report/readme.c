@@ -13,10 +13,6 @@
 
 enum { PATH_LENGTH = 512 };
 
-static bool close_file(FILE *stream, const char *path) {
-    return tool_succeeds("report", path, text_file_close(stream) ? SHB_OK : SHB_ERROR_FILE);
-}
-
 /* The first row of means of a kind; NULL: there is none. */
 static const report_row *find_means(const report_rows *rows, bool hard) {
     for (size_t i = 0; i < rows->count; i++)
@@ -45,7 +41,7 @@ static bool write_figure(const report_readme *readme, bool hard) {
         return tool_succeeds("report", path, SHB_ERROR_FILE);
     const report_scatter scatter = scatter_of(means);
     report_scatter_write(stream, readme->rows, &scatter);
-    return close_file(stream, path);
+    return tool_close_text("report", stream, path);
 }
 
 static void write_cell(FILE *stream, double value) {
@@ -133,7 +129,7 @@ static bool write_file(const report_readme *readme, const char *text, const char
     fputs("\n", stream);
     const bool done = write_part(stream, readme);
     fprintf(stream, "\n%s", end);
-    return close_file(stream, path) && done &&
+    return tool_close_text("report", stream, path) && done &&
            tool_succeeds("report", readme->path,
                          rename(path, readme->path) == 0 ? SHB_OK : SHB_ERROR_FILE);
 }

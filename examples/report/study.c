@@ -43,10 +43,6 @@ static bool is_kept(const char *path, const char *settings) {
     return kept;
 }
 
-static bool close_file(FILE *stream, const char *path) {
-    return tool_succeeds("report", path, text_file_close(stream) ? SHB_OK : SHB_ERROR_FILE);
-}
-
 static bool run_study(shb_context *context, const report_options *options, const char *settings,
                       const report_study *study) {
     char table_path[PATH_LENGTH], section_path[PATH_LENGTH];
@@ -67,8 +63,8 @@ static bool run_study(shb_context *context, const report_options *options, const
     }
     if (done)
         end_section(section);
-    done = (!table || close_file(table, table_path)) && done;
-    return (!section || close_file(section, section_path)) && done;
+    done = (!table || tool_close_text("report", table, table_path)) && done;
+    return (!section || tool_close_text("report", section, section_path)) && done;
 }
 
 bool report_studies_run(shb_context *context, const report_options *options, const char *settings) {

@@ -2,7 +2,6 @@
 
 #include "page_table.h"
 #include "scene_list.h"
-#include "text_file.h"
 #include "tool.h"
 #include "tuner.h"
 
@@ -222,5 +221,5 @@ bool report_tune(shb_context *context, const report_options *options, const char
         return tool_succeeds("report", path, SHB_ERROR_FILE);
     write_table_head(table);
     const bool done = tune_scene(context, options, &scene, table, NULL);
-    return tool_succeeds("report", path, text_file_close(table) ? SHB_OK : SHB_ERROR_FILE) && done;
+    return tool_close_text("report", table, path) && done;
 }

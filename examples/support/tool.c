@@ -1,6 +1,7 @@
 #include "tool.h"
 
-#include <stdio.h>
+#include "text_file.h"
+
 #include <string.h>
 
 bool tool_succeeds(const char *program, const char *what, shb_result result) {
@@ -37,4 +38,8 @@ bool tool_parse_isa(const char *name, shb_isa *isa) {
 
 bool tool_write_image(const char *program, const shb_image *image, const char *path) {
     return tool_succeeds(program, path, shb_image_write_ppm(image, path));
+}
+
+bool tool_close_text(const char *program, FILE *stream, const char *path) {
+    return tool_succeeds(program, path, text_file_close(stream) ? SHB_OK : SHB_ERROR_FILE);
 }

@@ -5,6 +5,8 @@
 #include "shadowbias/context.h"
 #include "shadowbias/image.h"
 
+#include <stdio.h>
+
 enum { TOOL_OK = 0, TOOL_FAILED = 1, TOOL_USAGE = 2 };
 
 /* A context whose failures appear on stderr as "program: sentence". NULL, and a line on stderr, if
@@ -19,5 +21,8 @@ bool tool_succeeds(const char *program, const char *what, shb_result result);
 
 /* Writes an image; false, and a line on stderr, when that fails. */
 bool tool_write_image(const char *program, const shb_image *image, const char *path);
+
+/* Closes a file of text that was written; false, and a line on stderr, if some of it is lost. */
+bool tool_close_text(const char *program, FILE *stream, const char *path);
 
 #endif

@@ -5,7 +5,6 @@
 #include "heat_map.h"
 #include "report.h"
 #include "suite.h"
-#include "text_file.h"
 #include "tool.h"
 
 #include <stdio.h>
@@ -38,11 +37,10 @@ static bool write_table(const char *directory, const char *name, const stability
         return false;
     }
     FILE *file = fopen(path, "w");
-    if (file)
-        print(file, rows);
-    if (!file || !text_file_close(file))
+    if (!file)
         return tool_succeeds("stability", path, SHB_ERROR_FILE);
-    return true;
+    print(file, rows);
+    return tool_close_text("stability", file, path);
 }
 
 static bool write_files(const char *directory, const stability_rows *rows) {
