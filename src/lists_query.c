@@ -163,7 +163,7 @@ static void find_spans(inquiry *q, size_t count) {
 
 /* The points of a run that a triangle blocks. */
 static uint32_t blocked_of(const inquiry *q, const shb_list_question *answered) {
-    const uint32_t open = q->runs[answered->bytes & 0xff].open;
+    const uint32_t open = q->runs[shb_list_byte(answered, SHB_LIST_ASKER)].open;
     const size_t first = shb_list_byte(answered, SHB_LIST_FIRST);
     uint32_t blocked = shb_list_byte(answered, SHB_LIST_ASKED) & open;
     const shb_list_triangle *t = &q->lists->triangles[answered->triangle];
@@ -176,7 +176,7 @@ static uint32_t blocked_of(const inquiry *q, const shb_list_question *answered) 
 
 static void settle(inquiry *q, const shb_list_question *answered, float *visibility) {
     const uint32_t blocked = blocked_of(q, answered);
-    q->runs[answered->bytes & 0xff].open &= (uint8_t)~blocked;
+    q->runs[shb_list_byte(answered, SHB_LIST_ASKER)].open &= (uint8_t)~blocked;
     for (uint32_t bits = blocked; bits; bits &= bits - 1)
         visibility[shb_list_byte(answered, SHB_LIST_FIRST) + (size_t)__builtin_ctz(bits)] = 0;
 }

@@ -192,7 +192,7 @@ typedef struct shb_list_question {
     uint32_t bytes;
 } shb_list_question;
 
-enum { SHB_LIST_FIRST = 8, SHB_LIST_ASKED = 16, SHB_LIST_DOUBT = 24 };
+enum { SHB_LIST_ASKER = 0, SHB_LIST_FIRST = 8, SHB_LIST_ASKED = 16, SHB_LIST_DOUBT = 24 };
 
 static inline uint32_t shb_list_byte(const shb_list_question *question, int shift) {
     return question->bytes >> shift & 0xff;
