@@ -222,23 +222,32 @@ static bool check_cluster(const shb_target *target, const shb_draw_instance *ins
     return right;
 }
 
+static void check_clusters(const shb_target *target, const shb_draw_instance *instance,
+                           tally *counts) {
+    const shb_clusters *clusters = instance->clusters;
+    for (size_t i = 0; i < clusters->count; i++)
+        CHECK(check_cluster(target, instance, &clusters->clusters[i], counts));
+}
+
+static shb_clusters *make_clusters(shb_context *context, soup *s) {
+    shb_clusters *clusters = NULL;
+    CHECK_INT(shb_clusters_create(context, soup_scene(s)->instances[0].mesh, &clusters), SHB_OK);
+    return clusters;
+}
+
 static void check_surface(shb_context *context, surface_kind kind, test_random *random,
                           tally *counts) {
     soup s = {0};
     make_surface(kind, random, &s);
     const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
-    shb_clusters *clusters = NULL;
-    CHECK_INT(shb_clusters_create(context, mesh, &clusters), SHB_OK);
+    shb_clusters *clusters = make_clusters(context, &s);
     for (int trial = 0; trial < 12; trial++) {
         const shb_view view = random_view(random);
         const shb_target target = shb_target_of(16u << random_below(random, 8),
                                                 16u << random_below(random, 8), view.reversed);
         const shb_draw_instance instance = instance_of(
             mesh, clusters, &view, random_transform(random), (int)random_below(random, 3));
-        bool right = true;
-        for (size_t i = 0; i < clusters->count; i++)
-            right &= check_cluster(&target, &instance, &clusters->clusters[i], counts);
-        CHECK(right);
+        check_clusters(&target, &instance, counts);
     }
     shb_clusters_destroy(clusters);
     soup_free(&s);
@@ -266,8 +275,7 @@ TEST(clusters_of_a_ball_that_face_away_are_dropped) {
     soup s = {0};
     soup_add_ball(&s, (const float[3]){0, 0, 0}, 128, 64, NULL);
     const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
-    shb_clusters *clusters = NULL;
-    CHECK_INT(shb_clusters_create(context, mesh, &clusters), SHB_OK);
+    shb_clusters *clusters = make_clusters(context, &s);
     for (int way = 0; way < 4; way++) {
         shb_view view = {0};
         const shb_vec3 eye = {9, 1, 2}, middle = {0, 0, 0}, up = {0, 0, 1};
@@ -279,8 +287,7 @@ TEST(clusters_of_a_ball_that_face_away_are_dropped) {
         const shb_draw_instance instance =
             instance_of(mesh, clusters, &view, shb_mat4_identity(), way < 2 ? 1 : 2);
         tally counts = {0};
-        for (size_t i = 0; i < clusters->count; i++)
-            CHECK(check_cluster(&target, &instance, &clusters->clusters[i], &counts));
+        check_clusters(&target, &instance, &counts);
         const double dropped = (double)counts.dropped / (double)clusters->count;
         CHECK(dropped > 0.15 && dropped < 0.5);
         CHECK_INT(counts.doubtful, 0);
@@ -297,8 +304,7 @@ TEST(clusters_outside_of_the_view_are_dropped) {
     soup s = {0};
     add_patch(&s, &random, 8, 0.01);
     const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
-    shb_clusters *clusters = NULL;
-    CHECK_INT(shb_clusters_create(context, mesh, &clusters), SHB_OK);
+    shb_clusters *clusters = make_clusters(context, &s);
     shb_view view = {0};
     CHECK_INT(shb_view_perspective((shb_vec3){0, 0, 5}, (shb_vec3){0, 0, 0}, (shb_vec3){0, 1, 0},
                                    0.6, 1, 1, 20, false, &view),
@@ -311,8 +317,7 @@ TEST(clusters_outside_of_the_view_are_dropped) {
             instance_of(mesh, clusters, &view,
                         shb_mat4_translation(places[i][0], places[i][1], places[i][2]), 0);
         tally counts = {0};
-        for (size_t k = 0; k < clusters->count; k++)
-            CHECK(check_cluster(&target, &instance, &clusters->clusters[k], &counts));
+        check_clusters(&target, &instance, &counts);
         CHECK_INT(counts.dropped, i < 5 ? clusters->count : 0);
     }
     shb_clusters_destroy(clusters);
@@ -327,8 +332,7 @@ TEST(clusters_that_are_not_finite_are_left_to_drawing) {
     soup s = {0};
     add_patch(&s, &random, 8, 0.01);
     const shb_mesh *mesh = soup_scene(&s)->instances[0].mesh;
-    shb_clusters *clusters = NULL;
-    CHECK_INT(shb_clusters_create(context, mesh, &clusters), SHB_OK);
+    shb_clusters *clusters = make_clusters(context, &s);
     const shb_target target = shb_target_of(64, 64, false);
     for (int way = 0; way < 6; way++) {
         const shb_vec3 eye = {0, 0, 5}, middle = {0, 0, 0}, up = {0, 1, 0};
@@ -342,8 +346,7 @@ TEST(clusters_that_are_not_finite_are_left_to_drawing) {
         const shb_draw_instance instance = instance_of(
             mesh, clusters, &view, shb_mat4_translation(place[0], place[1], place[2]), 0);
         tally counts = {0};
-        for (size_t i = 0; i < clusters->count; i++)
-            CHECK(check_cluster(&target, &instance, &clusters->clusters[i], &counts));
+        check_clusters(&target, &instance, &counts);
         CHECK_INT(counts.doubtful, clusters->count);
     }
     shb_clusters_destroy(clusters);
