@@ -332,6 +332,26 @@ TEST(a_single_sample_is_the_middle_of_the_light) {
     shb_context_destroy(context);
 }
 
+/* A light without an extent: away from the roof's edge all is dark or lit. */
+TEST(maps_are_prepared_for_the_filter) {
+    soup s = {0};
+    add_roof(&s, 0);
+    const shb_bias none = shb_bias_none();
+    const shb_filter variance = shb_filter_variance(3, 0);
+    shb_area_desc desc = describe(&s, &none, look_down(false), 64, 2);
+    desc.area.u = desc.area.v = (shb_vec3){0};
+    desc.filter = &variance;
+    shb_context *context = test_context(1, SHB_ISA_BEST);
+    float positions[3 * POINTS], visibility[POINTS];
+    place_across(positions, -0.7, 0.7);
+    CHECK_INT(ask(context, &desc, positions, visibility), SHB_OK);
+    for (int i = 0; i < POINTS; i++)
+        if (fabsf(positions[3 * i]) > 0.2f)
+            CHECK_NEAR(visibility[i], positions[3 * i] > 0, 0.01);
+    soup_free(&s);
+    shb_context_destroy(context);
+}
+
 TEST(maps_of_area_lights_refuse_bad_arguments) {
     shb_context *context = test_context(1, SHB_ISA_BEST);
     soup s = {0};

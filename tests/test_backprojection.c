@@ -94,6 +94,25 @@ TEST(a_spot_has_its_width_in_world_units) {
     }
 }
 
+/* The same turned about (1, 2, 3) together with the light. */
+TEST(a_turned_spot_has_its_width_in_world_units) {
+    float depths[SIZE * SIZE];
+    fill(depths, 1);
+    fill_box(depths, 0, 0, SIZE / 2, SIZE, 0.25f);
+    const shb_mat4 turn = shb_mat4_rotation((shb_vec3){1, 2, 3}, 2);
+    const shb_mat4 back = shb_mat4_rotation((shb_vec3){1, 2, 3}, -2);
+    const shb_filter filter = shb_filter_backprojection(0.5f, 64);
+    shb_view view = probe_perspective(false);
+    view.clip_from_world = shb_mat4_multiply(view.clip_from_world, back);
+    depth_map host = open_map(&view, SHB_FORMAT_FLOAT32, depths);
+    depth_map_prepare(&host, &filter);
+    for (int k = -20; k <= 20; k++) {
+        const shb_vec3 p = shb_mat4_transform_point(turn, (shb_vec3){0.01 * k, 0, 1.6});
+        CHECK_NEAR(depth_map_ask(&host, &filter, p.x, p.y, p.z), 0.5 + 0.02 * k, 0.002);
+    }
+    depth_map_close(&host);
+}
+
 /* A texel is 1/32 wide, 1/32 of the light, and one above the middle covers its square. */
 TEST(one_texel_covers_its_own_area) {
     float depths[SIZE * SIZE];

@@ -83,17 +83,20 @@ TEST(none_tests_the_own_depth) {
 TEST(constant_takes_off_map_depth) {
     const shb_bias bias = shb_bias_constant(0.002f, SHB_UNIT_DEPTH);
     check_flat(&bias, radians(45), 0.002, 0.002);
+    CHECK_INT(bias.needs, 0);
 }
 
 /* The texel of the spot is 2 / 16 * w = 0.25 high and 2 / 32 * w wide: the larger side counts. */
 TEST(constant_takes_off_texels) {
     const shb_bias bias = shb_bias_constant(0.25f, SHB_UNIT_TEXEL);
     check_flat(&bias, 0, 0.25 * 0.5 / 8, 0.25 * 0.25 * 0.375);
+    CHECK_INT(bias.needs, SHB_NEEDS_SCALE);
 }
 
 TEST(constant_takes_off_world_units) {
     const shb_bias bias = shb_bias_constant(0.125f, SHB_UNIT_WORLD);
     check_flat(&bias, 0, 0.125 / 8, 0.125 * 0.375);
+    CHECK_INT(bias.needs, SHB_NEEDS_SCALE);
 }
 
 TEST(slope_takes_off_the_larger_slope) {

@@ -176,6 +176,22 @@ TEST(texel_size_grows_with_the_distance) {
     CHECK_NEAR(project(view, 8, 16, (shb_vec3){0.5, 1, 1}).texel_size, 0.75, 0);
 }
 
+/* Spots one unit from the origin, where w is 1 then, on each axis: twice as far w is 2. */
+TEST(a_spot_may_have_a_w_of_1_at_the_origin) {
+    for (int axis = 0; axis < 3; axis++) {
+        double eye[3] = {0, 0, 0};
+        eye[axis] = 1;
+        const shb_vec3 position = {eye[0], eye[1], eye[2]};
+        shb_view view;
+        CHECK_INT(shb_view_perspective(position, (shb_vec3){0, 0, 0}, (shb_vec3){1, 2, 3},
+                                       2 * atan(1), 1, 0.25, 4, false, &view),
+                  SHB_OK);
+        const shb_vec3 beyond = shb_vec3_scale(position, -1);
+        CHECK_NEAR(project(view, 8, 8, (shb_vec3){0, 0, 0}).texel_size, 0.25, 1e-7);
+        CHECK_NEAR(project(view, 8, 8, beyond).texel_size, 0.5, 1e-7);
+    }
+}
+
 /* Texels of 2^200 units and depths of 2^200 per unit are beyond floats. */
 TEST(scales_of_any_view_are_finite) {
     const double tiny = 0x1p-200, huge = 0x1p200;

@@ -85,6 +85,11 @@ TEST(rotation_is_counter_clockwise_about_an_axis_of_any_length) {
     check_vector(shb_mat4_transform_point(third, (shb_vec3){1, 2, 3}), 3, 1, 2, 3e-15);
     const shb_mat4 back = shb_mat4_rotation((shb_vec3){-2, 0, 0}, pi / 6);
     check_vector(shb_mat4_transform_point(back, (shb_vec3){0, 2, 0}), 0, sqrt(3.0), -1, 1e-15);
+    /* A quarter about n = (2, 3, 6) / 7 takes v to n (n . v) + n x v. */
+    const shb_mat4 quarter = shb_mat4_rotation((shb_vec3){2, 3, 6}, pi / 2);
+    check_vector(shb_mat4_transform_point(quarter, (shb_vec3){49, 0, 0}), 4, 48, -9, 1e-13);
+    check_vector(shb_mat4_transform_point(quarter, (shb_vec3){0, 49, 0}), -36, 9, 32, 1e-13);
+    check_vector(shb_mat4_transform_point(quarter, (shb_vec3){0, 0, 49}), 33, 4, 36, 1e-13);
 }
 
 /* Against the C library, which is good to an ulp: the own series may add one. */

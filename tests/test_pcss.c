@@ -126,6 +126,22 @@ TEST(a_point_light_gives_the_penumbra_of_similar_triangles) {
     }
 }
 
+/* The same turned about (1, 2, 3) together with the light, whose axis is no axis of the world. */
+TEST(a_turned_light_gives_the_same_penumbra) {
+    const shb_filter filter = shb_filter_pcss(0.4f, 0, 0, SHB_TAPS_PLANE);
+    const shb_mat4 turn = shb_mat4_rotation((shb_vec3){1, 2, 3}, 2);
+    const shb_mat4 back = shb_mat4_rotation((shb_vec3){1, 2, 3}, -2);
+    shb_view view = probe_perspective(false);
+    view.clip_from_world = shb_mat4_multiply(view.clip_from_world, back);
+    host_map host = open_map(view, SIZE, SIZE);
+    fill_halves(&host, 0.5, 1, false);
+    for (double way = -0.2; way < 0.2; way += 0.0071) {
+        const shb_vec3 p = shb_mat4_transform_point(turn, (shb_vec3){way, 0.01, 1.5});
+        CHECK_NEAR(ask(&host, &filter, p.x, p.y, p.z), limited(1.5 * way / 0.4 + 0.5), 2e-5);
+    }
+    close_map(&host);
+}
+
 /* The mean over many fragments of taps on a disk: a chord cuts its share off. The width is that of
  * the first test: radius 0.25. */
 TEST(taps_on_a_disk_give_the_same_penumbra_on_average) {
@@ -386,7 +402,8 @@ TEST(every_texel_searched_equals_a_slow_search_in_double) {
     }
 }
 
-/* The plane of a tilted floor cut anew for every tap, against its steps from texel to texel. */
+/* The plane of a tilted floor cut anew for every tap, against its steps from texel to texel; half
+ * of the points lie in the first or the last row of the map. */
 TEST(naive_taps_find_the_shadow_of_the_plane) {
     test_random random = {4};
     for (int i = 0; i < 4; i++) {
@@ -401,9 +418,10 @@ TEST(naive_taps_find_the_shadow_of_the_plane) {
         const shb_filter naive = shb_filter_pcss(0.2f, taps, taps, SHB_TAPS_NAIVE);
         const shb_bias bias = shb_bias_receiver_plane(1e-3f);
         for (int k = 0; k < 40; k++) {
-            const float position[3] = {(float)random_double(&random, -1.2, 1.2),
-                                       (float)random_double(&random, -1, 1),
-                                       (float)random_double(&random, 1.2, 2)};
+            const double x = random_double(&random, -1.2, 1.2), y = random_double(&random, -1, 1);
+            const double z = random_double(&random, 1.2, 2), w = spot ? 4 - z : 1;
+            const double edge = (y < 0 ? -1 : 1) * (1 - 1.0 / SIZE);
+            const float position[3] = {(float)(x * w), (float)((k % 2 ? edge : y) * w), (float)z};
             const float normal[3] = {0.36f, -0.48f, 0.8f};
             const shb_points points = {.count = 1, .positions = position, .normals = normal};
             float given = -1, expected = -2;

@@ -298,6 +298,23 @@ TEST(shade_without_an_image_still_calls_back) {
     two_lights_destroy(&t);
 }
 
+TEST(shade_takes_the_longest_rows_and_columns) {
+    static uint32_t ids[SHB_SIZE_MAX];
+    two_lights t;
+    two_lights_init(&t);
+    memset(ids, 0xff, sizeof ids);
+    t.desc.image = (shb_image){0};
+    t.desc.frame.ids = ids;
+    t.desc.frame.id_stride = 0;
+    t.desc.frame.width = 1;
+    t.desc.frame.height = SHB_SIZE_MAX;
+    CHECK_INT(shb_shade(t.context, &t.desc), SHB_OK);
+    t.desc.frame.width = SHB_SIZE_MAX;
+    t.desc.frame.height = 1;
+    CHECK_INT(shb_shade(t.context, &t.desc), SHB_OK);
+    two_lights_destroy(&t);
+}
+
 TEST(shade_error_view_tells_the_errors_apart) {
     /* The first light says: shadowed in columns 0 .. 3. */
     two_lights t;
