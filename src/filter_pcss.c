@@ -8,7 +8,6 @@
 #include "taps.h"
 
 #include <float.h>
-#include <math.h>
 
 enum { LIGHT_SIZE, BLOCKERS, SAMPLES, TAPS };
 
@@ -16,12 +15,9 @@ static float to_float(double value) {
     return (float)(value < (double)FLT_MAX ? value : (double)FLT_MAX);
 }
 
-/* Half width of a penumbra in texels per difference of depth; see pcss.h. Of parallel rays w is the
- * same everywhere. */
+/* Half width of a penumbra in texels per difference of depth; see pcss.h. */
 static double texels_per_depth(const shb_projection *p, double light_size, double texel) {
-    const double *w = p->row_w;
-    const double length = sqrt((w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]);
-    return light_size / 2 * (length > 0 ? length : w[3]) / (p->depth_scale * texel);
+    return light_size / 2 * shb_projection_w(p) / (p->depth_scale * texel);
 }
 
 /* A number of taps: 0 for every texel. */

@@ -2,6 +2,8 @@
 
 #include "lists_frame.h"
 
+#include "matrix.h"
+
 #include <float.h>
 #include <math.h>
 
@@ -14,12 +16,8 @@
  * the rest is to spare. */
 #define PROJECTION_ROUNDING (64 * ROUNDING)
 
-static void matrix_row(const shb_mat4 *matrix, int row, double out[4]) {
-    for (int column = 0; column < 4; column++)
-        out[column] = matrix->m[4 * column + row];
-}
-
-double shb_list_row_size(const double row[4], double reach) {
+/* The largest size of what a row's product is summed up from, for points within reach. */
+static double row_size(const double row[4], double reach) {
     return (fabs(row[0]) + fabs(row[1]) + fabs(row[2])) * reach + fabs(row[3]);
 }
 
@@ -34,7 +32,7 @@ static double drift(const shb_list_frame *frame, const double row[4]) {
         const double change = fabs((row[0] * p.x + row[1] * p.y) + row[2] * p.z);
         return 4 * frame->reach * (change + 4 * ROUNDING * sizes);
     }
-    const double depth = shb_list_row_size(w, frame->reach) - fabs(w[3]);
+    const double depth = row_size(w, frame->reach) - fabs(w[3]);
     const double distance = w[3] - depth;
     const double part = distance > 2 * depth ? 2 * depth / distance : 1;
     return part * (fabs(shb_list_row(row, p.x, p.y, p.z)) + 4 * ROUNDING * (sizes + fabs(row[3])));
@@ -51,10 +49,10 @@ shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t he
     if (result)
         return result;
     double x[4], y[4], z[4], w[4];
-    matrix_row(&view->clip_from_world, 0, x);
-    matrix_row(&view->clip_from_world, 1, y);
-    matrix_row(&view->clip_from_world, 2, z);
-    matrix_row(&view->clip_from_world, 3, w);
+    shb_mat4_row(&view->clip_from_world, 0, x);
+    shb_mat4_row(&view->clip_from_world, 1, y);
+    shb_mat4_row(&view->clip_from_world, 2, z);
+    shb_mat4_row(&view->clip_from_world, 3, w);
     for (int i = 0; i < 4; i++) {
         made.rows[0][i] = (w[i] + x[i]) * (0.5 * made.width);
         made.rows[1][i] = (w[i] - y[i]) * (0.5 * made.height);
@@ -89,8 +87,7 @@ static shb_list_extent join(size_t count, const shb_list_extent extents[]) {
     return all;
 }
 
-/* What rounding of a point of the scene to floats changes a row's product with it by. */
-static double row_rounding(const shb_list_frame *frame, int row) {
+double shb_list_row_rounding(const shb_list_frame *frame, int row) {
     const double *r = frame->rows[row];
     return 0x1.01p-24 * (fabs(r[0]) + fabs(r[1]) + fabs(r[2])) * frame->reach;
 }
@@ -100,12 +97,12 @@ void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_exte
     /* Below FLT_MIN floats have no finer steps, and points are rounded as there. */
     frame->reach = all.reach > (double)FLT_MIN ? all.reach : (double)FLT_MIN;
     for (int r = 0; r < 4; r++) {
-        frame->errors[r] = PROJECTION_ROUNDING * shb_list_row_size(frame->rows[r], frame->reach);
+        frame->errors[r] = PROJECTION_ROUNDING * row_size(frame->rows[r], frame->reach);
         if (r != 2)
             frame->errors[r] += drift(frame, frame->rows[r]);
     }
-    frame->rounding_z = row_rounding(frame, 2) * (1 + 0x1p-9);
-    frame->rounding_w = row_rounding(frame, 3) * (1 + 0x1p-9);
+    frame->rounding_z = shb_list_row_rounding(frame, 2) * (1 + 0x1p-9);
+    frame->rounding_w = shb_list_row_rounding(frame, 3) * (1 + 0x1p-9);
     const double range = all.farthest - all.nearest;
     frame->level_origin = range > 0 ? all.nearest : frame->near_depth;
     frame->levels = SHB_LIST_LEVELS / (range > 0x1p-500 && range < 0x1p500 ? range : 1);

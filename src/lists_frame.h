@@ -44,8 +44,8 @@ shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t he
 /* Errors and levels for a scene whose parts have these extents. */
 void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_extent extents[]);
 
-/* The largest size of what a row's product is summed up from, for points within reach. */
-double shb_list_row_size(const double row[4], double reach);
+/* What rounding of a point of the scene to floats changes a row's product with it by. */
+double shb_list_row_rounding(const shb_list_frame *frame, int row);
 
 /* A row's product with a point. */
 static inline double shb_list_row(const double row[4], double x, double y, double z) {

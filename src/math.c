@@ -71,6 +71,11 @@ shb_mat4 shb_mat4_multiply(shb_mat4 a, shb_mat4 b) {
     return product;
 }
 
+void shb_mat4_row(const shb_mat4 *a, int row, double elements[4]) {
+    for (int column = 0; column < 4; column++)
+        elements[column] = a->m[4 * column + row];
+}
+
 shb_vec3 shb_mat4_transform_point(shb_mat4 a, shb_vec3 p) {
     return (shb_vec3){a.m[0] * p.x + a.m[4] * p.y + a.m[8] * p.z + a.m[12],
                       a.m[1] * p.x + a.m[5] * p.y + a.m[9] * p.z + a.m[13],

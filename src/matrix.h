@@ -14,6 +14,8 @@ void shb_sine_cosine(double angle, double *sine, double *cosine);
  * of rows and columns. */
 double shb_mat4_cofactors(const shb_mat4 *a, int row, double cofactors[4]);
 
+void shb_mat4_row(const shb_mat4 *a, int row, double elements[4]);
+
 bool shb_mat4_is_finite(const shb_mat4 *a);
 
 /* World to eye space for a direction of view of any length but 0. */

@@ -3,14 +3,10 @@
 #include "project.h"
 
 #include "light_point.h"
+#include "matrix.h"
 
 #include <float.h>
 #include <math.h>
-
-static void matrix_row(const shb_mat4 *matrix, int row, double *out) {
-    for (int column = 0; column < 4; column++)
-        out[column] = matrix->m[4 * column + row];
-}
 
 /* World width of a texel where w is 1: the step along the row's own direction, at constant w, that
  * moves its coordinate by 2 / texels. */
@@ -36,14 +32,17 @@ static double depth_at_light(const shb_projection *p, double ww) {
     return fabs(others) > 0x1p-30 * size ? rest + others : rest;
 }
 
-/* Canonical depth per world unit away from the light, times w^2.
- * Central: w grows by |row w| per unit of distance along the light's axis.
- * Parallel: w is constant and depth changes along the light's direction. */
+double shb_projection_w(const shb_projection *p) {
+    const double ww = shb_dot(p->row_w, p->row_w);
+    return ww > 0 ? sqrt(ww) : p->row_w[3];
+}
+
+/* Canonical depth per world unit away from the light, times w^2. Under parallel rays it changes
+ * along the light's direction. */
 static double depth_scale(const shb_projection *p) {
     const double ww = shb_dot(p->row_w, p->row_w);
-    if (ww > 0)
-        return -p->sign * depth_at_light(p, ww) * sqrt(ww);
-    return -p->sign * shb_dot(p->row_z, p->light) * p->row_w[3];
+    const double depth = ww > 0 ? depth_at_light(p, ww) : shb_dot(p->row_z, p->light);
+    return -p->sign * depth * shb_projection_w(p);
 }
 
 static bool is_positive(double value) {
@@ -58,10 +57,10 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
         .light = {info->light.position.x, info->light.position.y, info->light.position.z},
         .light_w = info->light.w};
     const shb_mat4 *matrix = &info->view.clip_from_world;
-    matrix_row(matrix, 0, p.row_x);
-    matrix_row(matrix, 1, p.row_y);
-    matrix_row(matrix, 2, p.row_z);
-    matrix_row(matrix, 3, p.row_w);
+    shb_mat4_row(matrix, 0, p.row_x);
+    shb_mat4_row(matrix, 1, p.row_y);
+    shb_mat4_row(matrix, 2, p.row_z);
+    shb_mat4_row(matrix, 3, p.row_w);
     p.affine = p.row_w[0] == 0 && p.row_w[1] == 0 && p.row_w[2] == 0 && p.row_w[3] == 1;
 
     const shb_light_rows rows = shb_light_rows_of(&p);

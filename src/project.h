@@ -16,6 +16,9 @@ static inline size_t shb_round_to_lanes(size_t count) {
  * light as view.reversed says. */
 shb_result shb_projection_init(const shb_map_info *info, shb_projection *projection);
 
+/* w at a distance of one from the light along its axis; under parallel rays, w everywhere. */
+double shb_projection_w(const shb_projection *projection);
+
 /* The same in texels and canonical depth. */
 shb_light_rows shb_light_rows_of(const shb_projection *projection);
 

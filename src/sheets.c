@@ -11,9 +11,6 @@
 #include "kernels/sheets.h"
 #include "padded_rows.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { TILE = SHB_SHEET_TILE, PITCH = SHB_SHEET_PITCH, LANES = SHB_LIST_LANES };
 
 /* The most that rounding of a point's coordinates may move it in the map, texels. */
@@ -27,24 +24,18 @@ typedef struct sheet_job {
     shb_sheets *sheets;
 } sheet_job;
 
-/* What rounding of a point of the scene to floats changes a row's product with it by. */
-static double row_rounding(const shb_list_frame *frame, int row) {
-    const double *r = frame->rows[row];
-    return 0x1.01p-24 * (fabs(r[0]) + fabs(r[1]) + fabs(r[2])) * frame->reach;
-}
-
 /* X moves by (rounding x w + |X| rounding w) / w', where w' is the moved point's: at most 2^-10
  * smaller. */
 shb_sheet_frame shb_sheet_frame_of(const shb_list_frame *list, double margin) {
     shb_sheet_frame frame = {.list = *list, .margin = margin};
-    const double w = row_rounding(list, 3);
-    const double x = row_rounding(list, 0) + (list->width + 1) * w;
-    const double y = row_rounding(list, 1) + (list->height + 1) * w;
+    const double w = shb_list_row_rounding(list, 3);
+    const double x = shb_list_row_rounding(list, 0) + (list->width + 1) * w;
+    const double y = shb_list_row_rounding(list, 1) + (list->height + 1) * w;
     const double by_margin = (x > y ? x : y) * (1 + 0x1p-9) / margin;
     frame.least_w = by_margin > 0x1p10 * w ? by_margin : 0x1p10 * w;
     frame.reach = list->reach * (1 + 0x1p-22);
-    frame.rounding_z = row_rounding(list, 2) * (1 + 0x1p-9);
-    frame.rounding_w = w * (1 + 0x1p-9);
+    frame.rounding_z = list->rounding_z;
+    frame.rounding_w = list->rounding_w;
     return frame;
 }
 
