@@ -15,19 +15,6 @@ bool shb_exact_is_hard(const shb_bias *bias, const shb_filter *filter) {
     return bias->needs & SHB_NEEDS_OCCLUDERS && (!filter || filter->exact == shb_exact_visibility);
 }
 
-bool shb_exact_asks_triangles_alone(const shb_map *map) {
-    return map->info.occluders == SHB_OCCLUDERS_TRIANGLES && !map->classifies &&
-           map->occluders.held;
-}
-
-bool shb_exact_asks_unsure_lists(const shb_map *map) {
-    return map->info.occluders == SHB_OCCLUDERS_LISTS && map->classifies && map->occluders.held;
-}
-
-bool shb_exact_asks_planes_alone(const shb_map *map) {
-    return has_planes_alone(map) && !map->classifies && map->occluders.held;
-}
-
 static void ask_planes(const shb_map *map, size_t count, const shb_receivers *receivers,
                        float *visibility) {
     const shb_quick_points points = shb_quick_points_of(receivers);

@@ -44,13 +44,4 @@ void shb_exact_visibility(const shb_filter_args *args);
 /* True: the method asks occluders and the filter, or hard for NULL, is shb_exact_visibility. */
 bool shb_exact_is_hard(const shb_bias *bias, const shb_filter *filter);
 
-/* True: shb_exact_visibility is the kernel for planes, for points that no method has lifted. */
-bool shb_exact_asks_planes_alone(const shb_map *map);
-
-/* True: shb_exact_visibility is what shb_unsure_points_ask answers, for points without ids. */
-bool shb_exact_asks_unsure_lists(const shb_map *map);
-
-/* True: shb_exact_visibility is what shb_triangle_points_ask answers. */
-bool shb_exact_asks_triangles_alone(const shb_map *map);
-
 #endif

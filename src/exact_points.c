@@ -14,7 +14,7 @@ static shb_drawn_mesh mesh_of(const shb_map *map) {
     if (map->lists)
         return (shb_drawn_mesh){map->lists->id_count, (const uint32_t(*)[3])map->lists->corners,
                                 (const double(*)[3])map->lists->vertices};
-    if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES && map->occluders.held)
+    if (shb_map_holds(map, SHB_OCCLUDERS_TRIANGLES))
         return (shb_drawn_mesh){t->triangle_count, (const uint32_t(*)[3])t->corners,
                                 (const double(*)[3])t->positions};
     return (shb_drawn_mesh){0};
@@ -81,9 +81,8 @@ shb_result shb_own_triangles_check(const shb_map *map, const char *caller,
                                    const shb_points *points) {
     const shb_own_triangles *own = &points->own;
     const size_t triangles = mesh_of(map).triangle_count;
-    if (!own->ids || !map->occluders.held ||
-        (map->info.occluders != SHB_OCCLUDERS_TRIANGLES &&
-         map->info.occluders != SHB_OCCLUDERS_LISTS))
+    if (!own->ids ||
+        (!shb_map_holds(map, SHB_OCCLUDERS_TRIANGLES) && !shb_map_holds(map, SHB_OCCLUDERS_LISTS)))
         return SHB_OK;
     for (size_t i = 0; i < points->count; i++)
         if (own->ids[i] >= triangles && (own->weight_1 || own->ids[i] != SHB_ID_NONE))

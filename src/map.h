@@ -102,6 +102,11 @@ struct shb_map {
     bool flipped;
 };
 
+/* True: the latest drawing left occluders, and of this kind. */
+static inline bool shb_map_holds(const shb_map *map, shb_occluders occluders) {
+    return map->occluders.held && map->info.occluders == occluders;
+}
+
 /* Lists know what is certain by themselves. */
 static inline bool shb_map_keeps_sheets(const shb_map *map) {
     return map->classifies && map->info.occluders != SHB_OCCLUDERS_LISTS;

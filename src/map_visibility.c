@@ -29,6 +29,17 @@ static void load(const shb_shade_kernels *kernels, const float *base, size_t str
     }
 }
 
+/* A batch of positions and, if wanted, normals. */
+static void load_points(const shb_map *map, const shb_points *points, size_t first, size_t count,
+                        bool with_normals, shb_receivers *to) {
+    const shb_shade_kernels *kernels = map->context->shade_kernels;
+    load(kernels, points->positions, shb_triple_stride(points->position_stride), first, count,
+         to->x, to->y, to->z);
+    if (with_normals)
+        load(kernels, points->normals, shb_triple_stride(points->normal_stride), first, count,
+             to->normal_x, to->normal_y, to->normal_z);
+}
+
 static bool are_aligned(const shb_points *points) {
     const uintptr_t addresses = (uintptr_t)points->positions | (uintptr_t)points->normals |
                                 (uintptr_t)points->own.ids | (uintptr_t)points->own.weight_1 |
@@ -95,11 +106,9 @@ static shb_result check_points(const shb_map *map, const shb_points *points,
 static void load_exact(const shb_map *map, const shb_points *points, size_t first,
                        float *visibility, shb_exact_points *exact) {
     const size_t left = points->count - first, count = left < SHB_BATCH ? left : SHB_BATCH;
-    const size_t stride = shb_triple_stride(points->position_stride);
     const shb_own_triangles own = own_from(&points->own, first);
     shb_receivers batch;
-    load(map->context->shade_kernels, points->positions, stride, first, count, batch.x, batch.y,
-         batch.z);
+    load_points(map, points, first, count, false, &batch);
     if (left >= 2 * SHB_BATCH) {
         const shb_next_batch next = next_batch_of(points, false, first + SHB_BATCH, visibility);
         shb_prefetch_whole(&next);
@@ -107,7 +116,7 @@ static void load_exact(const shb_map *map, const shb_points *points, size_t firs
     shb_exact_points_of(map, count, &own, &batch, exact);
 }
 
-/* The exact method where the map keeps lists and sheets. */
+/* What shb_exact_visibility answers where the map keeps lists and sheets. */
 static void ask_unsure_lists(const shb_map *map, const shb_points *points, float *visibility) {
     shb_exact_points exact;
     shb_unsure_points unsure;
@@ -119,7 +128,7 @@ static void ask_unsure_lists(const shb_map *map, const shb_points *points, float
     shb_unsure_points_end(&unsure);
 }
 
-/* The exact method where the map keeps triangles. */
+/* What shb_exact_visibility answers where the map keeps triangles. */
 static void ask_triangles(const shb_map *map, const shb_points *points, float *visibility) {
     const float *position = points->positions, *normal = points->normals;
     const size_t position_stride = shb_triple_stride(points->position_stride);
@@ -142,9 +151,6 @@ static void ask_triangles(const shb_map *map, const shb_points *points, float *v
 static void ask_batches(const shb_map *map, const shb_points *points, const shb_bias *bias,
                         const shb_filter *filter, float *visibility) {
     const shb_filter hard = shb_filter_hard();
-    const shb_shade_kernels *kernels = map->context->shade_kernels;
-    const size_t position_stride = shb_triple_stride(points->position_stride);
-    const size_t normal_stride = shb_triple_stride(points->normal_stride);
     const bool with_normals = shb_visibility_needs_normals(map, bias, filter);
     shb_receivers receivers;
     const shb_quick_points arrays = shb_quick_points_of(&receivers);
@@ -158,11 +164,7 @@ static void ask_batches(const shb_map *map, const shb_points *points, const shb_
         const bool is_tried = is_packed && count == SHB_BATCH;
         if (is_tried && shb_packed_points_ask(&packed, first))
             continue;
-        load(kernels, points->positions, position_stride, first, count, receivers.x, receivers.y,
-             receivers.z);
-        if (with_normals)
-            load(kernels, points->normals, normal_stride, first, count, receivers.normal_x,
-                 receivers.normal_y, receivers.normal_z);
+        load_points(map, points, first, count, with_normals, &receivers);
         const bool is_followed = left >= 2 * SHB_BATCH;
         const shb_next_batch next = next_batch_of(
             points, with_normals, is_followed ? first + SHB_BATCH : first, visibility);
@@ -191,9 +193,10 @@ shb_result shb_map_visibility(const shb_map *map, const shb_points *points, cons
     if (result != SHB_OK)
         return result;
     const bool exact = points->count && shb_exact_is_hard(bias, filter);
-    if (exact && shb_exact_asks_triangles_alone(map))
+    if (exact && !map->classifies && shb_map_holds(map, SHB_OCCLUDERS_TRIANGLES))
         ask_triangles(map, points, visibility);
-    else if (exact && !points->own.ids && shb_exact_asks_unsure_lists(map))
+    else if (exact && map->classifies && shb_map_holds(map, SHB_OCCLUDERS_LISTS) &&
+             !points->own.ids)
         ask_unsure_lists(map, points, visibility);
     else
         ask_batches(map, points, bias, filter, visibility);
@@ -213,18 +216,17 @@ shb_result shb_map_classify(const shb_map *map, const shb_points *points, uint8_
     if (!map->classifies)
         return shb_fail(context, SHB_ERROR_UNSUPPORTED,
                         "shb_map_classify: the map was created without desc.classifies");
-    const size_t stride = shb_triple_stride(points->position_stride);
     const shb_sheet_kernels *kernels = shb_sheet_kernels_of(context->isa);
-    SHB_ALIGN float x[SHB_BATCH], y[SHB_BATCH], z[SHB_BATCH];
+    shb_receivers receivers;
     SHB_ALIGN int32_t batch[SHB_BATCH];
     for (size_t first = 0; first < points->count; first += SHB_BATCH) {
         const size_t left = points->count - first;
         const size_t count = left < SHB_BATCH ? left : SHB_BATCH;
-        load(context->shade_kernels, points->positions, stride, first, count, x, y, z);
+        load_points(map, points, first, count, false, &receivers);
         if (map->empty)
             memset(batch, 0, sizeof batch);
         else
-            kernels->ask(shb_map_sheets(map), count, x, y, z, batch);
+            kernels->ask(shb_map_sheets(map), count, receivers.x, receivers.y, receivers.z, batch);
         for (size_t i = 0; i < count; i++)
             answers[first + i] = (uint8_t)batch[i];
     }

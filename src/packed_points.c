@@ -22,7 +22,8 @@ bool shb_packed_points_init(shb_packed_points *packed, const shb_map *map, const
     packed->visibility = visibility;
     packed->test.known = false;
     packed->waiting = 0;
-    packed->by_planes = shb_exact_is_hard(bias, filter) && shb_exact_asks_planes_alone(map);
+    packed->by_planes = shb_exact_is_hard(bias, filter) && !map->classifies &&
+                        shb_map_holds(map, SHB_OCCLUDERS_PLANES);
     packed->quick.plane = true;
     return (packed->by_planes || are_asked_quickly(map, bias, filter, &packed->quick)) &&
            shb_triple_stride(points->position_stride) == gapless &&
