@@ -4,13 +4,10 @@
 
 #include "depth_rows.h"
 #include "format.h"
+#include "larger.h"
 
 /* Smaller ones stand for 1 / w at infinity, and keep k finite. */
 #define LEAST_INVERSE 0x1p-60
-
-static double larger(double a, double b) {
-    return a > b ? a : b;
-}
 
 /* A of a central projection less the far depth, which is B / w of the far plane. */
 static double inverse_of_far(const shb_projection *p, double far_depth) {

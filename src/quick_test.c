@@ -49,6 +49,8 @@
 #include "quick_test.h"
 
 #include "format.h"
+#include "larger.h"
+#include "light_point.h"
 #include "stages.h"
 
 #include <math.h>
@@ -73,10 +75,6 @@ typedef struct box {
     bool affine;
 } box;
 
-static double sum3(const double *v) {
-    return fabs(v[0]) + fabs(v[1]) + fabs(v[2]);
-}
-
 static double row_at(const double *row, const double *v) {
     return row[0] * v[0] + row[1] * v[1] + row[2] * v[2] + row[3];
 }
@@ -84,11 +82,6 @@ static double row_at(const double *row, const double *v) {
 /* How much a row's product with the ways from the origin may be. */
 static double growth(const box *b, const double *row) {
     return fabs(row[0]) * b->reach[0] + fabs(row[1]) * b->reach[1] + fabs(row[2]) * b->reach[2];
-}
-
-/* b if one is NaN. */
-static double larger(double a, double b) {
-    return a > b ? a : b;
 }
 
 /* Of numbers below 2^51. */
@@ -132,7 +125,7 @@ static coordinate coordinate_row(const box *b, const double *row, double base, s
     const double reach = (ways + fabs(constant)) * b->inverse;
     for (int i = 0; i < 4; i++)
         sizes[i] = fabs(row[i]) + (fabs(base) + reach) * fabs(b->row_w[i]);
-    const double all = sum3(sizes) * b->largest + sizes[3];
+    const double all = shb_sum_abs(sizes) * b->largest + sizes[3];
     for (int i = 0; i < 3; i++)
         to[i] = (float)r[i];
     to[3] = (float)constant;
@@ -159,18 +152,18 @@ static double relative(const double *v, const double *a, double base_a, const do
         made[i] = v[i] - base_a * a[i] + base_b * b[i];
         to[i] = (float)made[i];
     }
-    return sum3(made);
+    return shb_sum_abs(made);
 }
 
 /* The error of v - a * at_a + b * at_b, a vector's product with a normal in which at_a and at_b
  * are coordinates; size is that of the vector relative to their bases. */
 static double product_error(double size, const double *v, const double *a, const coordinate *at_a,
                             const double *b, const coordinate *at_b) {
-    const double sum_a = sum3(a), sum_b = sum3(b);
+    const double sum_a = shb_sum_abs(a), sum_b = shb_sum_abs(b);
     const double far_a = fabs(at_a->base) + at_a->reach, far_b = fabs(at_b->base) + at_b->reach;
     return 16 * U * (size + sum_a * at_a->reach + sum_b * at_b->reach) +
            (sum_a * at_a->error + sum_b * at_b->error) +
-           64 * D * (sum3(v) + sum_a * far_a + sum_b * far_b);
+           64 * D * (shb_sum_abs(v) + sum_a * far_a + sum_b * far_b);
 }
 
 /* False if some products would leave the range of floats. */

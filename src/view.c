@@ -2,6 +2,7 @@
 
 #include "shadowbias/view.h"
 
+#include "larger.h"
 #include "matrix.h"
 #include "vector.h"
 
@@ -80,10 +81,6 @@ static shb_result check_fit(shb_vec3 light, shb_box bounds, uint32_t map_size,
     if (map_size < 8 || map_size > SHB_SIZE_MAX)
         return SHB_ERROR_SIZE;
     return SHB_OK;
-}
-
-static double larger(double a, double b) {
-    return a > b ? a : b;
 }
 
 static double largest_size(shb_vec3 a) {

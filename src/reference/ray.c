@@ -12,6 +12,8 @@
 
 #include "ray.h"
 
+#include "../larger.h"
+
 #include <float.h>
 #include <math.h>
 
@@ -87,10 +89,6 @@ bool shb_ray_line_meets(const shb_ray *ray, const shb_triangle *triangle) {
     if (u > 0 || v > 0 || w > 0)
         return u >= 0 && v >= 0 && w >= 0;
     return u <= 0 && v <= 0 && w <= 0 && (u < 0 || v < 0 || w < 0);
-}
-
-static double larger(double a, double b) {
-    return a > b ? a : b;
 }
 
 /* Bounds of the rounding of each input coordinate. */

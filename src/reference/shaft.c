@@ -17,12 +17,9 @@
 #include <math.h>
 
 #include "../area_light.h"
+#include "../larger.h"
 
 #define SLACK 0x1p-44
-
-static double larger(double a, double b) {
-    return a > b ? a : b;
-}
 
 static double smaller(double a, double b) {
     return a < b ? a : b;
