@@ -1,7 +1,6 @@
 /* Every bias method on one scene: demo OUTDIR writes for each method a picture and a view of its
  * errors, a contact sheet of all, and prints a table of what was measured. */
 #include "measure.h"
-#include "scenes.h"
 #include "sheet.h"
 #include "tool.h"
 
@@ -33,11 +32,9 @@ static bool succeeds(shb_result result) {
 }
 
 static bool open_demo(demo_state *demo) {
-    char error[256];
-    if (!scene_open("columns", &demo->scene, error, sizeof error)) {
-        fprintf(stderr, "demo: %s\n", error);
+    demo->scene = tool_open_scene("demo", "columns");
+    if (!demo->scene)
         return false;
-    }
     size_t count;
     shb_bias_methods(&count);
     shb_map_desc map = {.width = map_size, .occluders = SHB_OCCLUDERS_TRIANGLES};
@@ -65,13 +62,8 @@ static void close_demo(demo_state *demo) {
 }
 
 static bool write_image(demo_state *demo, const shb_image *image, const char *name) {
-    char path[1024];
-    if (snprintf(path, sizeof path, "%s/%s.ppm", demo->directory, name) >= (int)sizeof path) {
-        fprintf(stderr, "demo: %s: the path is too long\n", demo->directory);
-        return false;
-    }
     demo->files++;
-    return tool_write_image("demo", image, path);
+    return tool_write_picture("demo", image, demo->directory, name);
 }
 
 /* Pictures of a method for the map as measuring left it. */

@@ -4,7 +4,6 @@
  */
 #include "soft.h"
 #include "arguments.h"
-#include "scenes.h"
 #include "sheet.h"
 #include "tool.h"
 
@@ -70,11 +69,9 @@ static bool create_truths(soft_state *soft) {
 static bool open_soft(soft_state *soft) {
     const soft_options *options = &soft->options;
     const uint32_t width = options->size[0], height = options->size[1];
-    char error[256];
-    if (!scene_open(options->scene, &soft->scene, error, sizeof error)) {
-        fprintf(stderr, "soft: %s\n", error);
+    soft->scene = tool_open_scene("soft", options->scene);
+    if (!soft->scene)
         return false;
-    }
     size_t count;
     shb_filter_methods(&count);
     shb_map_desc map = {.width = options->map_size, .occluders = SHB_OCCLUDERS_TRIANGLES};
@@ -108,14 +105,8 @@ static void close_soft(soft_state *soft) {
 /* ---- pictures ---- */
 
 static bool write_image(soft_state *soft, const shb_image *image, const char *name) {
-    char path[1024];
-    if (snprintf(path, sizeof path, "%s/%s.ppm", soft->options.directory, name) >=
-        (int)sizeof path) {
-        fprintf(stderr, "soft: %s: the path is too long\n", soft->options.directory);
-        return false;
-    }
     soft->files++;
-    return tool_write_image("soft", image, path);
+    return tool_write_picture("soft", image, soft->options.directory, name);
 }
 
 static bool write_tile(soft_state *soft, uint32_t tile, const char *name, const char *caption) {

@@ -2,7 +2,6 @@
 #include "arguments.h"
 #include "measure.h"
 #include "progress.h"
-#include "scenes.h"
 #include "tool.h"
 
 #include <math.h>
@@ -128,11 +127,9 @@ static void override_point(const double values[3], shb_vec3 *point) {
 }
 
 static bool open_scene(const view_options *options, view_work *work) {
-    char error[512];
-    if (!scene_open(options->scene, &work->scene, error, sizeof error)) {
-        fprintf(stderr, "view: %s\n", error);
+    work->scene = tool_open_scene("view", options->scene);
+    if (!work->scene)
         return false;
-    }
     scene_camera camera = work->scene->camera;
     override_point(options->eye, &camera.eye);
     override_point(options->target, &camera.target);

@@ -2,16 +2,11 @@
 
 #include "method_list.h"
 #include "summary.h"
+#include "tool.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static bool is_among(const char *name, const char *const *names) {
-    while (*names && strcmp(*names, name) != 0)
-        names++;
-    return *names != NULL;
-}
 
 /* Filters with soft edges, and the methods of bias that go with them. */
 static const char *const few[] = {"adaptive-soft", "exact-triangles", NULL};
@@ -88,9 +83,9 @@ static report_family family_of_bias(const char *method) {
     static const char *const layers[] = {"midpoint", "dual-layer", "back-face", NULL};
     if (strncmp(method, "exact", 5) == 0)
         return REPORT_EXACT;
-    return is_among(method, planes)   ? REPORT_PLANES
-           : is_among(method, layers) ? REPORT_LAYERS
-                                      : REPORT_OFFSETS;
+    return tool_is_among(method, planes)   ? REPORT_PLANES
+           : tool_is_among(method, layers) ? REPORT_LAYERS
+                                           : REPORT_OFFSETS;
 }
 
 static report_family family_of_filter(const char *filter) {
@@ -104,9 +99,9 @@ static report_family family_of_filter(const char *filter) {
     static const char *const texels[] = {"backprojection", "bitmask", NULL};
     if (strcmp(filter, "pcss") == 0)
         return REPORT_PLANES;
-    return is_among(filter, moments)  ? REPORT_LAYERS
-           : is_among(filter, texels) ? REPORT_EXACT
-                                      : REPORT_OFFSETS;
+    return tool_is_among(filter, moments)  ? REPORT_LAYERS
+           : tool_is_among(filter, texels) ? REPORT_EXACT
+                                           : REPORT_OFFSETS;
 }
 
 report_family report_family_of(const report_row *row) {

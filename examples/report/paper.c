@@ -32,11 +32,6 @@ shb_result paper_compare(const paper_output *output, soft_work *work, soft_work 
     return SHB_OK;
 }
 
-static void make_lit(const shb_filter_args *args) {
-    for (size_t i = 0; i < SHB_BATCH; i++)
-        args->visibility[i] = 1;
-}
-
 static shb_result measure_case(const paper_output *output, const measure_frame *frame,
                                soft_work_desc desc, const paper_case *c, soft_work *beside,
                                paper_row *row) {
@@ -47,7 +42,7 @@ static shb_result measure_case(const paper_output *output, const measure_frame *
     if (result)
         return result;
     if (!c->filter)
-        work.filter = (shb_filter){.name = "lit", .filter = make_lit};
+        work.filter = measure_even_filter(1);
     result = paper_compare(output, &work, beside, row);
     soft_work_destroy(&work);
     if (!c->filter && !result) {
@@ -80,14 +75,10 @@ shb_result paper_measure(const paper_output *output, const measure_frame *frame,
 
 bool paper_open(const paper_output *output, const char *name, const uint32_t size[2],
                 example_scene **scene, measure_frame *frame) {
-    char error[256];
     *frame = (measure_frame){0};
-    if (!scene_open(name, scene, error, sizeof error)) {
-        *scene = NULL;
-        fprintf(stderr, "report: %s\n", error);
-        return false;
-    }
-    return tool_succeeds("report", name,
+    *scene = tool_open_scene("report", name);
+    return *scene &&
+           tool_succeeds("report", name,
                          measure_frame_create(output->single, *scene, size[0], size[1], frame));
 }
 

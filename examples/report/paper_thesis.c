@@ -56,12 +56,9 @@ bool paper_thesis(const paper_output *output) {
     const uint32_t size[2] = {output->quick ? 320 : 800, output->quick ? 240 : 600};
     const size_t step_count = output->quick ? 6 : STEPS_MAX;
     paper_row rows[STEPS_MAX * CASES];
-    char error[256];
-    example_scene *scene;
-    if (!scene_open("tree", &scene, error, sizeof error)) {
-        fprintf(stderr, "report: %s\n", error);
+    example_scene *scene = tool_open_scene("report", "tree");
+    if (!scene)
         return false;
-    }
     const scene_camera start = scene->camera;
     shb_result result = SHB_OK;
     for (size_t k = 0; k < step_count && !result; k++) {

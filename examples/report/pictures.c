@@ -71,22 +71,11 @@ static shb_result write_picture(const char *directory, report_picture kind, cons
     return png_write(image, path) ? SHB_OK : SHB_ERROR_FILE;
 }
 
-static void make_lit(const shb_filter_args *args) {
-    for (size_t i = 0; i < SHB_BATCH; i++)
-        args->visibility[i] = 1;
-}
-
-static void make_dark(const shb_filter_args *args) {
-    for (size_t i = 0; i < SHB_BATCH; i++)
-        args->visibility[i] = 0;
-}
-
 shb_result report_picture_extremes(const char *directory, const report_row *row,
                                    const measure_frame *frame, const shb_map *map,
                                    const float light_color[3], const shb_image *image) {
     const shb_bias none = shb_bias_none();
-    const shb_filter filters[2] = {{.name = "lit", .filter = make_lit},
-                                   {.name = "dark", .filter = make_dark}};
+    const shb_filter filters[2] = {measure_even_filter(1), measure_even_filter(0)};
     const png_image picture = {image->pixels, image->width, image->height, image->stride, PNG_RGB};
     shb_result result = SHB_OK;
     for (int i = 0; !result && i < 2; i++) {

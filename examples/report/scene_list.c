@@ -1,6 +1,6 @@
 #include "scene_list.h"
 
-#include "scenes.h"
+#include "tool.h"
 
 #include <ctype.h>
 #include <dirent.h>
@@ -58,12 +58,6 @@ static void add_scene(report_scene_list *list, const char *text, bool both_light
     name_scene(list, scene);
 }
 
-static bool is_among(const char *name, const char *const *names) {
-    while (*names && strcmp(*names, name) != 0)
-        names++;
-    return *names != NULL;
-}
-
 /* Scenes whose shadows fall far enough for penumbras. */
 static const char *const soft_scenes[] = {
     "columns", "island", "tree", "sponza.obj", "japanese_temple.obj", NULL};
@@ -74,9 +68,9 @@ static void add_built_in(report_scene_list *list, bool quick) {
     const scene_entry *entries = scene_entries(&count);
     for (size_t i = 0; i < count; i++) {
         const char *name = entries[i].name;
-        if (!quick || is_among(name, quick_scenes))
+        if (!quick || tool_is_among(name, quick_scenes))
             add_scene(list, name, !quick || strcmp(name, "columns") == 0,
-                      is_among(name, soft_scenes));
+                      tool_is_among(name, soft_scenes));
     }
 }
 
@@ -98,7 +92,7 @@ static void add_meshes(report_scene_list *list, const char *path, bool quick) {
             (quick && strcmp(entry->d_name, "dx_crypt.obj") != 0))
             continue;
         if (snprintf(text, sizeof text, "%s/%s", path, entry->d_name) < (int)sizeof text)
-            add_scene(list, text, !quick, is_among(entry->d_name, soft_scenes));
+            add_scene(list, text, !quick, tool_is_among(entry->d_name, soft_scenes));
     }
     closedir(directory);
     if (list->count > first)

@@ -1,6 +1,5 @@
 #include "stage.h"
 
-#include "scenes.h"
 #include "tool.h"
 
 #include <math.h>
@@ -20,12 +19,9 @@ static shb_result create(report_stage *stage, const uint32_t size[2]) {
 
 bool report_stage_open(shb_context *context, const char *text, const char *name,
                        const uint32_t size[2], report_stage *stage) {
-    char error[256];
-    *stage = (report_stage){.context = context};
-    if (!scene_open(text, &stage->scene, error, sizeof error)) {
-        fprintf(stderr, "report: %s\n", error);
+    *stage = (report_stage){.context = context, .scene = tool_open_scene("report", text)};
+    if (!stage->scene)
         return false;
-    }
     snprintf(stage->name, sizeof stage->name, "%s", name);
     const bool done = tool_succeeds("report", name, create(stage, size));
     if (!done)

@@ -213,6 +213,16 @@ shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_
     return SHB_OK;
 }
 
+static void fill_evenly(const shb_filter_args *args) {
+    const float visibility = args->filter->params[0];
+    for (size_t i = 0; i < SHB_BATCH; i++)
+        args->visibility[i] = visibility;
+}
+
+shb_filter measure_even_filter(float visibility) {
+    return (shb_filter){.name = "even", .filter = fill_evenly, .params = {visibility}};
+}
+
 shb_result measure_paint(const measure_frame *frame, const shb_map *map, const shb_bias *bias,
                          const shb_filter *filter, const float light_color[3],
                          const shb_image *image) {

@@ -70,6 +70,9 @@ shb_result measure_method(measure_frame *frame, const measure_truth *truth, shb_
                           const shb_bias *bias, const shb_filter *filter,
                           const scene_contact *contact, uint32_t runs, measure_result *result);
 
+/* A filter that finds the same visibility everywhere. */
+shb_filter measure_even_filter(float visibility);
+
 /* The picture of the scene with a map as it is now, and the same in grey with false shadow in red
  * and false light in blue. image has the frame's size. */
 shb_result measure_paint(const measure_frame *frame, const shb_map *map, const shb_bias *bias,

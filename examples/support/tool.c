@@ -23,6 +23,15 @@ shb_context *tool_create_context(const char *program, uint32_t threads, shb_isa 
     return context;
 }
 
+example_scene *tool_open_scene(const char *program, const char *name) {
+    char error[512];
+    example_scene *scene;
+    if (scene_open(name, &scene, error, sizeof error))
+        return scene;
+    fprintf(stderr, "%s: %s\n", program, error);
+    return NULL;
+}
+
 bool tool_parse_isa(const char *name, shb_isa *isa) {
     if (strcmp(name, "best") == 0) {
         *isa = SHB_ISA_BEST;
@@ -40,6 +49,21 @@ bool tool_write_image(const char *program, const shb_image *image, const char *p
     return tool_succeeds(program, path, shb_image_write_ppm(image, path));
 }
 
+bool tool_write_picture(const char *program, const shb_image *image, const char *directory,
+                        const char *name) {
+    char path[1024];
+    if (snprintf(path, sizeof path, "%s/%s.ppm", directory, name) < (int)sizeof path)
+        return tool_write_image(program, image, path);
+    fprintf(stderr, "%s: %s: the path is too long\n", program, directory);
+    return false;
+}
+
 bool tool_close_text(const char *program, FILE *stream, const char *path) {
     return tool_succeeds(program, path, text_file_close(stream) ? SHB_OK : SHB_ERROR_FILE);
+}
+
+bool tool_is_among(const char *name, const char *const *names) {
+    while (*names && strcmp(*names, name) != 0)
+        names++;
+    return *names != NULL;
 }

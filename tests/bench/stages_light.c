@@ -1,6 +1,7 @@
 #include "stages.h"
 
 #include "light_work.h"
+#include "tool.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,18 +22,13 @@ static const light_stage visibility_stage = {"visibility", "hard", light_work_vi
 static const light_stage shade_stage = {"shade", "shade", light_work_shade};
 static const light_stage frame_stage = {"frame", "frame", light_work_frame};
 
-static bool is_among(const char *name, const char *const *names, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        if (strcmp(name, names[i]) == 0)
-            return true;
-    return false;
-}
-
 /* A method that --only names is always wanted; else whole frames show the price of two methods, and
  * shading is measured at one map size. */
 static bool is_wanted(const bench_options *options, const light_stage *stage, const char *method,
                       uint32_t size) {
-    static const char *const few[] = {"constant", "adaptive", "none", "slope", "receiver-plane"};
+    static const char *const framed[] = {"constant", "adaptive", NULL};
+    static const char *const few[] = {"constant", "adaptive",       "none",
+                                      "slope",    "receiver-plane", NULL};
     char name[64];
     snprintf(name, sizeof name, "%s:%s", stage->prefix, method);
     if (options->only && strchr(options->only, ':'))
@@ -41,8 +37,8 @@ static bool is_wanted(const bench_options *options, const light_stage *stage, co
         return false;
     if (stage == &shade_stage && size != SHADE_MAP_SIZE && !options->size)
         return false;
-    const size_t count = stage == &frame_stage ? 2 : sizeof few / sizeof *few;
-    return (stage != &frame_stage && !options->quick) || is_among(method, few, count);
+    return stage == &frame_stage ? tool_is_among(method, framed)
+                                 : !options->quick || tool_is_among(method, few);
 }
 
 /* The camera's picture, made larger until there are fragments enough; empty if none is in sight. */

@@ -1,6 +1,7 @@
 #include "subjects.h"
 
 #include "shapes_measured.h"
+#include "tool.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -21,7 +22,7 @@ static const made_subject made_subjects[] = {
     {"culled", measured_culled},
 };
 
-static const char *const closed_meshes[] = {"bunny_69k", "bunny_144k", "dx_island"};
+static const char *const closed_meshes[] = {"bunny_69k", "bunny_144k", "dx_island", NULL};
 
 void subject_title(const char *name, char *title, size_t size) {
     const char *slash = strrchr(name, '/');
@@ -44,10 +45,7 @@ static bool is_file(const char *name) {
 static bool is_closed(const char *name) {
     char title[64];
     subject_title(name, title, sizeof title);
-    for (size_t i = 0; i < sizeof closed_meshes / sizeof *closed_meshes; i++)
-        if (strcmp(title, closed_meshes[i]) == 0)
-            return true;
-    return false;
+    return tool_is_among(title, closed_meshes);
 }
 
 static bool make_subject(const made_subject *subject, example_scene **scene, char *error,
