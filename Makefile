@@ -45,21 +45,17 @@ $(LIBRARY): $(call object,$(LIB_SRC))
 	$(Q)rm -f $@
 	$(Q)$(AR) rcs $@ $^
 
-$(EXAMPLES): $(BUILD)/%: $(BUILD)/obj/examples/%.o $(call object,$(SUPPORT_SRC)) $(LIBRARY)
-	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
+PROGRAMS := $(EXAMPLES) $(addprefix $(BUILD)/,check bench stability report)
 
-$(BUILD)/check: $(call object,$(TEST_SRC) $(SUPPORT_SRC) \
-		$(filter-out %/stability.c,$(STABILITY_SRC)) $(filter-out %/report/report.c,$(REPORT_SRC))) $(LIBRARY)
-	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
+$(EXAMPLES): $(BUILD)/%: $(BUILD)/obj/examples/%.o
+$(BUILD)/check: $(call object,$(TEST_SRC) $(filter-out %/stability.c,$(STABILITY_SRC)) \
+		$(filter-out %/report/report.c,$(REPORT_SRC)))
+$(BUILD)/bench: $(call object,$(BENCH_SRC))
+$(BUILD)/stability: $(call object,$(STABILITY_SRC))
+$(BUILD)/report: $(call object,$(REPORT_SRC))
 
-$(BUILD)/bench: $(call object,$(BENCH_SRC) $(SUPPORT_SRC)) $(LIBRARY)
-	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
-
-$(BUILD)/stability: $(call object,$(STABILITY_SRC) $(SUPPORT_SRC)) $(LIBRARY)
-	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
-
-$(BUILD)/report: $(call object,$(REPORT_SRC) $(SUPPORT_SRC)) $(LIBRARY)
-	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o %.a,$^) $(LDFLAGS) $(LIBS)
+$(PROGRAMS): $(call object,$(SUPPORT_SRC)) $(LIBRARY)
+	$(Q)$(CC) $(FLAGS) -o $@ $(filter %.o,$^) $(LIBRARY) $(LDFLAGS) $(LIBS)
 
 REPORT_OUT := $(BUILD)/out/report
 
@@ -83,19 +79,15 @@ $(BUILD)/obj/%.o: %.c $(STAMP)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(FLAGS) $(if $(filter src/%,$<),,-Iexamples/support -Itests/support -Itests/bench) -c -o $@ $<
 
-demo: $(BUILD)/demo
+demo soft: %: $(BUILD)/%
 	$(Q)mkdir -p $(BUILD)/out
-	$(Q)$(BUILD)/demo $(BUILD)/out
-
-soft: $(BUILD)/soft
-	$(Q)mkdir -p $(BUILD)/out
-	$(Q)$(BUILD)/soft $(BUILD)/out
+	$(Q)$< $(BUILD)/out
 
 check: $(BUILD)/check $(EXAMPLES)
-	$(Q)$(BUILD)/check
+	$(Q)$<
 
 bench: $(BUILD)/bench
-	$(Q)$(BUILD)/bench
+	$(Q)$<
 
 # Other renderers, as far as their packages are installed.
 PEER_LIBS_embree := -lembree3
