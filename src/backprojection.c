@@ -5,9 +5,9 @@
 #include <float.h>
 #include <string.h>
 
+#include "filter_check.h"
 #include "kernels/moments.h"
 #include "kernels/shade.h"
-#include "moment_map.h"
 
 static shb_result check_params(const shb_map *map, const shb_filter *filter) {
     const float *params = filter->params;

@@ -4,6 +4,7 @@
  * occluders one above the other. The smaller bound counts. */
 #include "strict.h"
 
+#include "filter_check.h"
 #include "kernels/moments.h"
 #include "moment_soft.h"
 

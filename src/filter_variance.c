@@ -2,6 +2,7 @@
  * is not a constant here but the square of what rounding and format may do to the distance. */
 #include "strict.h"
 
+#include "filter_check.h"
 #include "kernels/moments.h"
 #include "moment_soft.h"
 

@@ -14,6 +14,17 @@ typedef struct mesh_job {
     shb_list_extent *extents; /* of each task's vertices */
 } mesh_job;
 
+/* Of so many elements. */
+static size_t tasks_of(size_t count) {
+    return (count + PER_TASK - 1) / PER_TASK;
+}
+
+/* Where a task's part of them ends. */
+static size_t end_of(size_t task, size_t count) {
+    const size_t end = (task + 1) * PER_TASK;
+    return end < count ? end : count;
+}
+
 static shb_list_vertex see_vertex(const shb_list_frame *frame, const double p[3]) {
     const double w = shb_list_row(frame->rows[3], p[0], p[1], p[2]), inverse = 1 / w;
     const shb_list_vertex seen = {shb_list_row(frame->rows[0], p[0], p[1], p[2]) * inverse,
@@ -30,8 +41,7 @@ static shb_list_vertex see_vertex(const shb_list_frame *frame, const double p[3]
 static void see_vertices(void *arg, size_t task) {
     const mesh_job *job = arg;
     const shb_topology *t = job->mesh->topology;
-    const size_t first = task * PER_TASK, rest = t->vertex_count - first;
-    const size_t end = rest < PER_TASK ? t->vertex_count : first + PER_TASK;
+    const size_t first = task * PER_TASK, end = end_of(task, t->vertex_count);
     shb_list_extent extent = shb_list_extent_none();
     for (size_t i = first; i < end; i++) {
         const double *p = t->positions[i];
@@ -41,10 +51,6 @@ static void see_vertices(void *arg, size_t task) {
             shb_list_extent_add(&extent, p, seen.z, seen.inverse_w > 0);
     }
     job->extents[task] = extent;
-}
-
-static size_t tasks_of(size_t count) {
-    return (count + PER_TASK - 1) / PER_TASK;
 }
 
 static bool see_all_vertices(const shb_context *context, mesh_job *job) {
@@ -96,12 +102,28 @@ static bool is_whole(const shb_light_mesh *mesh, uint32_t id, bool *is_finite) {
     return whole;
 }
 
+/* As the kernel saw it, unless it cannot. */
+static void take_triangle(const mesh_job *job, uint32_t id, int8_t facing, shb_light_box box) {
+    const shb_light_mesh *mesh = job->mesh;
+    bool is_finite;
+    if (!is_whole(mesh, id, &is_finite)) {
+        facing = SHB_FACING_CUT;
+        box.box = SHB_LIST_BOX_NONE;
+        if (is_finite)
+            see_alone(mesh, id, &box);
+    }
+    if (shb_topology_is_twin(mesh->topology, id))
+        box.box = SHB_LIST_BOX_NONE;
+    mesh->facing[id] = facing;
+    if (job->boxes)
+        job->boxes[id] = box;
+}
+
 static void see_triangles(void *arg, size_t task) {
     enum { LANES = SHB_LIST_LANES };
     const mesh_job *job = arg;
     const shb_light_mesh *mesh = job->mesh;
-    const size_t first = task * PER_TASK, count = mesh->topology->triangle_count;
-    const size_t end = count - first < PER_TASK ? count : first + PER_TASK;
+    const size_t first = task * PER_TASK, end = end_of(task, mesh->topology->triangle_count);
     shb_list_corners corners;
     shb_light_box boxes[LANES];
     int8_t facing[LANES];
@@ -110,21 +132,8 @@ static void see_triangles(void *arg, size_t task) {
         for (uint32_t i = 0; i < LANES; i++)
             shb_light_mesh_corners(mesh, (uint32_t)id + (i < lanes ? i : 0), i, &corners);
         job->kernels->look(&mesh->frame, &corners, boxes, facing);
-        for (uint32_t i = 0; i < lanes; i++) {
-            const uint32_t at = (uint32_t)id + i;
-            bool is_finite;
-            if (!is_whole(mesh, at, &is_finite)) {
-                facing[i] = SHB_FACING_CUT;
-                boxes[i].box = SHB_LIST_BOX_NONE;
-                if (is_finite)
-                    see_alone(mesh, at, &boxes[i]);
-            }
-            if (shb_topology_is_twin(mesh->topology, at))
-                boxes[i].box = SHB_LIST_BOX_NONE;
-            mesh->facing[at] = facing[i];
-            if (job->boxes)
-                job->boxes[at] = boxes[i];
-        }
+        for (uint32_t i = 0; i < lanes; i++)
+            take_triangle(job, (uint32_t)id + i, facing[i], boxes[i]);
     }
 }
 
@@ -149,8 +158,7 @@ static void make_walk_triangle(const shb_light_mesh *mesh, uint32_t id, shb_walk
 
 static void make_walk_triangles(void *arg, size_t task) {
     const mesh_job *job = arg;
-    const size_t first = task * PER_TASK, count = job->mesh->topology->triangle_count;
-    const size_t end = count - first < PER_TASK ? count : first + PER_TASK;
+    const size_t first = task * PER_TASK, end = end_of(task, job->mesh->topology->triangle_count);
     for (size_t id = first; id < end; id++)
         make_walk_triangle(job->mesh, (uint32_t)id, &job->triangles[id]);
 }

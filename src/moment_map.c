@@ -2,16 +2,8 @@
 
 #include "moment_map.h"
 
+#include "filter_check.h"
 #include "kernels/moments.h"
-
-shb_result shb_filter_check_param(const shb_map *map, const shb_filter *filter, const char *param,
-                                  float value, float lo, float hi) {
-    if (value >= lo && value <= hi)
-        return SHB_OK;
-    return shb_fail(map->context, SHB_ERROR_ARGUMENT,
-                    "shb_map_prepare: %s %g of the filter \"%s\" is not in %g .. %g", param,
-                    (double)value, filter->name, (double)lo, (double)hi);
-}
 
 shb_result shb_filter_check_size(const shb_map *map, const shb_filter *filter, float size) {
     const shb_result result =
@@ -21,12 +13,6 @@ shb_result shb_filter_check_size(const shb_map *map, const shb_filter *filter, f
     return shb_fail(map->context, SHB_ERROR_ARGUMENT,
                     "shb_map_prepare: size %g of the filter \"%s\" is not odd", (double)size,
                     filter->name);
-}
-
-shb_result shb_filter_no_memory(const shb_map *map, const shb_filter *filter) {
-    return shb_fail(map->context, SHB_ERROR_MEMORY,
-                    "shb_map_prepare: no memory for the filter \"%s\" over %u by %u texels",
-                    filter->name, (unsigned)map->info.width, (unsigned)map->info.height);
 }
 
 /* NULL: no memory. */

@@ -16,13 +16,6 @@ shb_result shb_moment_map_prepare(const shb_map *map, const shb_filter *filter,
                                   const shb_moment_map *plan, void **prepared, size_t *bytes);
 void shb_moment_map_release(const shb_map *map, void *prepared);
 
-/* SHB_ERROR_MEMORY with its sentence. */
-shb_result shb_filter_no_memory(const shb_map *map, const shb_filter *filter);
-
-/* SHB_ERROR_ARGUMENT unless a parameter of the filter lies within lo .. hi. */
-shb_result shb_filter_check_param(const shb_map *map, const shb_filter *filter, const char *param,
-                                  float value, float lo, float hi);
-
 /* SHB_ERROR_ARGUMENT unless the filter's size is odd and not too large. */
 shb_result shb_filter_check_size(const shb_map *map, const shb_filter *filter, float size);
 

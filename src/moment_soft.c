@@ -4,6 +4,7 @@
 
 #include <float.h>
 
+#include "filter_check.h"
 #include "kernels/moments.h"
 #include "project.h"
 

@@ -1,5 +1,6 @@
 #include "map.h"
 #include "prepare.h"
+#include "triples.h"
 #include "visibility.h"
 
 #include <string.h>
@@ -97,4 +98,42 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
                         "parameters",
                         caller, name_of(bias));
     return bias->needs & SHB_NEEDS_OCCLUDERS ? check_occluders(map, caller, bias, filter) : SHB_OK;
+}
+
+static bool are_aligned(const shb_points *points) {
+    const uintptr_t addresses = (uintptr_t)points->positions | (uintptr_t)points->normals |
+                                (uintptr_t)points->own.ids | (uintptr_t)points->own.weight_1 |
+                                (uintptr_t)points->own.weight_2;
+    return addresses % sizeof(float) == 0;
+}
+
+shb_result shb_points_check(const shb_context *context, const char *caller,
+                            const shb_points *points) {
+    if (points->count && !points->positions)
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "%s: points.positions is NULL and points.count is %zu", caller,
+                        points->count);
+    if (points->position_stride % 4 || points->normal_stride % 4)
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "%s: points.position_stride %zu or points.normal_stride %zu is not a "
+                        "multiple of 4",
+                        caller, points->position_stride, points->normal_stride);
+    if (!are_aligned(points))
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "%s: points.positions, normals or an array of points.own is not aligned "
+                        "to 4",
+                        caller);
+    if (shb_triples_overflow(points->count, points->position_stride) ||
+        (points->normals && shb_triples_overflow(points->count, points->normal_stride)))
+        return shb_fail(context, SHB_ERROR_SIZE,
+                        "%s: points.count %zu times points.position_stride %zu or "
+                        "points.normal_stride %zu overflows",
+                        caller, points->count, points->position_stride, points->normal_stride);
+    if (!points->own.weight_1 != !points->own.weight_2 ||
+        (points->own.weight_1 && !points->own.ids))
+        return shb_fail(context, SHB_ERROR_ARGUMENT,
+                        "%s: of points.own.ids, weight_1 and weight_2 some are NULL that others "
+                        "need",
+                        caller);
+    return SHB_OK;
 }
