@@ -6,7 +6,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 enum { width = 960, height = 600, map_size = 512, divisor = 2, runs = 5, sheet_columns = 6 };

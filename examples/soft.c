@@ -9,7 +9,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 enum { LIGHTS = 3, BIASES = 3, PICTURED = 1, RUNS = 2 };

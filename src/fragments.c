@@ -185,7 +185,7 @@ static const uint32_t *row_of_ids(const shb_frame *frame, uint32_t row) {
     return (const uint32_t *)(const void *)((const char *)frame->ids + row * id_stride(frame));
 }
 
-/* Puts ids some rows below a span in reach, which are asked for soon but lie far away in memory. */
+/* Ids some rows below a span are read soon, but lie far away in memory. */
 static void prefetch_below(const shb_frame *frame, const shb_piece *span) {
     enum { LINE = 64 / sizeof(uint32_t), ROWS = 8 };
     if (span->row + ROWS >= frame->height)

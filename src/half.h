@@ -2,7 +2,6 @@
 #ifndef SRC_HALF_H
 #define SRC_HALF_H
 
-#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
-/* The whole batch that a host's points go on with. What it reads and writes is asked for while the
- * one before is worked on, as no processor would go on with the streams by itself: a few lines at a
- * time, since what they wait for holds up all that follows. */
+/* The next whole batch of a host's points. Its memory is prefetched while the batch before is
+ * worked on, as no processor does that for so many streams by itself: a few lines at a time, since
+ * too many requests hold up all that follows. */
 #ifndef SRC_NEXT_BATCH_H
 #define SRC_NEXT_BATCH_H
 

@@ -10,8 +10,8 @@ const void *shb_prepared_find(const shb_map *map, const shb_filter *filter);
 /* What all of it takes. */
 size_t shb_prepared_bytes(const shb_map *map);
 
-/* None of it is found any more, but what is prepared again is made over; what was not since the
- * last call is freed. */
+/* The map has other depths now: nothing is found until it is prepared again, in the same memory.
+ * What was outdated before is freed. */
 void shb_prepared_outdate(shb_map *map);
 
 /* Frees all of it. */

@@ -54,7 +54,6 @@
 #include "stages.h"
 
 #include <math.h>
-#include <string.h>
 
 #define U 0x1p-24
 #define D 0x1p-53

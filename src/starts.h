@@ -1,4 +1,4 @@
-/* From how many to where: the first step of every sort by counting. */
+/* An exclusive prefix sum: the first step of every counting sort. */
 #ifndef SRC_STARTS_H
 #define SRC_STARTS_H
 

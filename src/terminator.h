@@ -1,5 +1,5 @@
-/* Where smooth surfaces ask their lights: off the triangles, which turn away from the light before
- * the surface does that their normals describe. */
+/* Where points of smooth surfaces are asked about light: moved off their triangles, which turn away
+ * from the light before the surface that the normals describe does. */
 #ifndef SRC_TERMINATOR_H
 #define SRC_TERMINATOR_H
 

@@ -59,7 +59,7 @@ uint64_t shb_topology_key(const shb_scene *scene) {
     return key_of(&key);
 }
 
-/* A place of the table for up to count entries that is free for less than half of them. */
+/* Slots of a hash table of count entries: a power of two, of which at least half stay free. */
 static size_t table_size(size_t count) {
     size_t size = 16;
     while (size < 2 * count)

@@ -9,7 +9,6 @@
 #include "test.h"
 
 #include <math.h>
-#include <string.h>
 
 /* The errors of a built-in scene or of a file, every one of them away from a boundary and near one.
  */

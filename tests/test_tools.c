@@ -6,7 +6,6 @@
 #include "contexts.h"
 #include "test.h"
 
-#include <math.h>
 #include <string.h>
 
 typedef struct values {

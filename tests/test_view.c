@@ -4,7 +4,6 @@
 #include "shadowbias/view.h"
 
 #include <math.h>
-#include <string.h>
 
 static const shb_vec3 origin = {0, 0, 0}, up = {0, 1, 0};
 static const shb_box unit_box = {{-1, -1, -1}, {1, 1, 1}};

@@ -6,8 +6,6 @@
 #include "ehm_tables.h"
 #include "tool.h"
 
-#include <string.h>
-
 enum { ROWS_MAX = 24, SIZES = 5 };
 
 static const uint32_t sizes[SIZES] = {512, 1024, 2048, 4096, 8192};

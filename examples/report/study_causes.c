@@ -10,7 +10,6 @@
 #include "tool.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 enum { MAP_SIZE = 1024, SWATCH_WIDTH = 20, SWATCH_HEIGHT = 12 };
 

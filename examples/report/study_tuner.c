@@ -6,7 +6,6 @@
 #include "tuner.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { MAP_SIZE = 1024 };
 

@@ -10,7 +10,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Hard and soft differ in their methods and in the time that they take. */
 typedef struct survey_kind {

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static shb_vec3 row_of(const shb_view *view, int row) {
     const double *m = view->clip_from_world.m;

@@ -3,7 +3,6 @@
 #define EXAMPLES_TEXT_SCANNER_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 typedef struct text_scanner {

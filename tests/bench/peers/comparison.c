@@ -4,7 +4,6 @@
 #include "tool.h"
 
 #include <stdio.h>
-#include <string.h>
 
 enum { FRAME_SIZE = 1024 };
 
