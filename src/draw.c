@@ -75,12 +75,6 @@ static shb_result check_marks(const shb_context *context, const shb_draw_desc *d
                     desc->clear_marks_size, size);
 }
 
-static shb_result check_scene(const shb_context *context, const shb_scene *scene) {
-    const char *reason = NULL;
-    const shb_result result = shb_scene_check(scene, &reason);
-    return result ? shb_fail(context, result, "shb_draw: desc.scene: %s", reason) : SHB_OK;
-}
-
 static shb_result check_desc(const shb_context *context, const shb_draw_desc *desc) {
     if (!desc || !desc->view || !desc->scene)
         return shb_fail(context, SHB_ERROR_ARGUMENT, "shb_draw: %s is NULL",
@@ -102,7 +96,7 @@ static shb_result check_desc(const shb_context *context, const shb_draw_desc *de
         result = check_marks(context, desc);
     if (!result && !shb_mat4_is_finite(&desc->view->clip_from_world))
         result = shb_fail(context, SHB_ERROR_NUMBER, "shb_draw: desc.view is not finite");
-    return result ? result : check_scene(context, desc->scene);
+    return result ? result : shb_scene_check(context, "shb_draw", "desc.scene", desc->scene);
 }
 
 static bool draw_chunks(shb_context *context, const shb_draw_desc *desc,

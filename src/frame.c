@@ -33,7 +33,5 @@ shb_result shb_frame_check(const shb_context *context, const char *caller, const
     const shb_result result = check_ids(context, caller, frame);
     if (result != SHB_OK)
         return result;
-    const char *reason;
-    const shb_result scene = shb_scene_check(frame->scene, &reason);
-    return scene ? shb_fail(context, scene, "%s: desc.frame.scene: %s", caller, reason) : SHB_OK;
+    return shb_scene_check(context, caller, "desc.frame.scene", frame->scene);
 }

@@ -23,13 +23,7 @@ static shb_result check_draw(const shb_map *map, const shb_scene *scene, const s
     if (map->exact_only && bias && !(bias->needs & SHB_NEEDS_OCCLUDERS))
         return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
                         "shb_map_draw: map keeps no depths, as desc.exact_only says");
-    if (!scene)
-        return shb_fail(map->context, SHB_ERROR_ARGUMENT, "shb_map_draw: scene is NULL");
-    const char *reason;
-    const shb_result result = shb_scene_check(scene, &reason);
-    if (result != SHB_OK)
-        return shb_fail(map->context, result, "shb_map_draw: %s", reason);
-    return SHB_OK;
+    return shb_scene_check(map->context, "shb_map_draw", "scene", scene);
 }
 
 /* What a drawing makes before the map takes it. */
@@ -58,10 +52,8 @@ static shb_result measure_scene(const shb_map *map, const shb_scene *scene, doub
     shb_box box;
     if (!map->measures)
         return SHB_OK;
-    const shb_result result = shb_scene_bounds(scene, &box);
-    if (result != SHB_OK)
-        return shb_fail(map->context, result,
-                        "shb_map_draw: an index of scene is not below its mesh.vertex_count");
+    if (shb_scene_bounds(scene, &box) != SHB_OK)
+        return shb_scene_check_indices(map->context, "shb_map_draw", scene);
     *scale = box.lo.x <= box.hi.x ? shb_vec3_length(shb_vec3_subtract(box.hi, box.lo)) : 0;
     return SHB_OK;
 }

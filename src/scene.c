@@ -3,6 +3,7 @@
 #include "scene.h"
 
 #include "clusters.h"
+#include "context.h"
 #include "matrix.h"
 
 static bool is_all_zero(const shb_mat4 *a) {
@@ -73,34 +74,37 @@ static shb_result check_instance(const shb_instance *instance, const char **reas
     const shb_mat4 transform = shb_instance_transform(instance);
     const double *m = transform.m;
     if (!shb_mat4_is_finite(&transform))
-        return fail(reason, SHB_ERROR_NUMBER, "instance.world_from_mesh is not finite");
+        return fail(reason, SHB_ERROR_NUMBER, "world_from_mesh is not finite");
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-        return fail(reason, SHB_ERROR_ARGUMENT,
-                    "the last row of instance.world_from_mesh is not 0 0 0 1");
+        return fail(reason, SHB_ERROR_ARGUMENT, "the last row of world_from_mesh is not 0 0 0 1");
     if ((unsigned)instance->cull > SHB_CULL_FRONT)
-        return fail(reason, SHB_ERROR_ARGUMENT, "instance.cull is out of range");
+        return fail(reason, SHB_ERROR_ARGUMENT, "cull is out of range");
     if (!instance->mesh)
-        return fail(reason, SHB_ERROR_ARGUMENT, "instance.mesh is NULL");
+        return fail(reason, SHB_ERROR_ARGUMENT, "mesh is NULL");
     const shb_result result = shb_mesh_check(instance->mesh, reason);
     return result ? result : check_clusters(instance->mesh, reason);
 }
 
-shb_result shb_scene_check(const shb_scene *scene, const char **reason) {
+shb_result shb_scene_check(const shb_context *context, const char *caller, const char *name,
+                           const shb_scene *scene) {
     if (!scene)
-        return fail(reason, SHB_ERROR_ARGUMENT, "scene is NULL");
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: %s is NULL", caller, name);
     if (scene->instance_count && !scene->instances)
-        return fail(reason, SHB_ERROR_ARGUMENT, "scene.instances is NULL");
+        return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: %s.instances is NULL", caller, name);
     if (scene->instance_count > PTRDIFF_MAX / sizeof(shb_instance))
-        return fail(reason, SHB_ERROR_SIZE, "scene.instance_count overflows the address space");
+        return shb_fail(context, SHB_ERROR_SIZE,
+                        "%s: %s.instance_count %zu overflows the address space", caller, name,
+                        scene->instance_count);
     uint64_t triangles = 0;
     for (size_t i = 0; i < scene->instance_count; i++) {
-        const shb_result result = check_instance(&scene->instances[i], reason);
+        const char *reason = NULL;
+        const shb_result result = check_instance(&scene->instances[i], &reason);
         if (result)
-            return result;
+            return shb_fail(context, result, "%s: %s.instances[%zu]: %s", caller, name, i, reason);
         triangles += scene->instances[i].mesh->triangle_count;
         if (triangles > SHB_TRIANGLES_MAX)
-            return fail(reason, SHB_ERROR_SIZE,
-                        "the scene has more than SHB_TRIANGLES_MAX triangles");
+            return shb_fail(context, SHB_ERROR_SIZE, "%s: %s has more than %u triangles", caller,
+                            name, (unsigned)SHB_TRIANGLES_MAX);
     }
     return SHB_OK;
 }
@@ -132,20 +136,23 @@ bool shb_mesh_has_valid_indices(const shb_mesh *mesh) {
                                  : are_below(mesh->indices, count, mesh->vertex_count);
 }
 
-shb_result shb_scene_validate(const shb_scene *scene) {
-    const char *reason;
-    const shb_result result = shb_scene_check(scene, &reason);
-    if (result)
-        return result;
+shb_result shb_scene_check_indices(const shb_context *context, const char *caller,
+                                   const shb_scene *scene) {
     for (size_t i = 0; i < scene->instance_count; i++)
         if (!shb_mesh_has_valid_indices(scene->instances[i].mesh))
-            return SHB_ERROR_ARGUMENT;
+            return shb_fail(context, SHB_ERROR_ARGUMENT,
+                            "%s: scene.instances[%zu]: an index is not below mesh.vertex_count %u",
+                            caller, i, (unsigned)scene->instances[i].mesh->vertex_count);
     return SHB_OK;
 }
 
+shb_result shb_scene_validate(const shb_scene *scene) {
+    const shb_result result = shb_scene_check(NULL, "", "", scene);
+    return result ? result : shb_scene_check_indices(NULL, "", scene);
+}
+
 uint64_t shb_scene_triangle_count(const shb_scene *scene) {
-    const char *reason;
-    if (shb_scene_check(scene, &reason))
+    if (shb_scene_check(NULL, "", "", scene))
         return 0;
     uint64_t count = 0;
     for (size_t i = 0; i < scene->instance_count; i++)
@@ -163,8 +170,7 @@ size_t shb_scene_instance_of(const shb_scene *scene, uint32_t id, uint32_t *firs
 }
 
 shb_result shb_scene_triangle(const shb_scene *scene, uint32_t id, shb_vec3 corners[3]) {
-    const char *reason;
-    const shb_result result = shb_scene_check(scene, &reason);
+    const shb_result result = shb_scene_check(NULL, "", "", scene);
     if (result)
         return result;
     if (!corners || id >= shb_scene_triangle_count(scene))

@@ -2,6 +2,7 @@
 #ifndef SRC_SCENE_H
 #define SRC_SCENE_H
 
+#include "shadowbias/context.h"
 #include "shadowbias/scene.h"
 #include "triples.h"
 #include "vector.h"
@@ -12,14 +13,20 @@ shb_mat4 shb_instance_transform(const shb_instance *instance);
 /* True if the transform mirrors (its determinant is negative). */
 bool shb_transform_mirrors(const shb_mat4 *transform);
 
-/* The checks of one mesh, clusters and the values of indices aside. As shb_scene_check. */
+/* The checks of one mesh, clusters and the values of indices aside. Returns SHB_OK or the error,
+ * with a static sentence about it in *reason. */
 shb_result shb_mesh_check(const shb_mesh *mesh, const char **reason);
 
 bool shb_mesh_has_valid_indices(const shb_mesh *mesh);
 
-/* The checks of drawing: everything but the values of indices. Returns SHB_OK or the error, with a
- * static sentence about it in *reason. */
-shb_result shb_scene_check(const shb_scene *scene, const char **reason);
+/* The checks of drawing: everything but the values of indices. Tells the context's log what is
+ * wrong, in the name of the caller, with what it calls the scene; context NULL: silent. */
+shb_result shb_scene_check(const shb_context *context, const char *caller, const char *name,
+                           const shb_scene *scene);
+
+/* The same for the values of indices, in a scene that has passed the other checks. */
+shb_result shb_scene_check_indices(const shb_context *context, const char *caller,
+                                   const shb_scene *scene);
 
 /* The vertex indices of triangle number triangle of the mesh. */
 static inline void shb_mesh_triangle(const shb_mesh *mesh, uint32_t triangle,

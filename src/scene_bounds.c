@@ -244,8 +244,7 @@ static bool add_mesh(sides *s, const shb_mesh *mesh, const shb_mat4 *transform) 
 }
 
 shb_result shb_scene_bounds(const shb_scene *scene, shb_box *bounds) {
-    const char *reason;
-    const shb_result result = shb_scene_check(scene, &reason);
+    const shb_result result = shb_scene_check(NULL, "", "", scene);
     if (result)
         return result;
     if (!bounds)

@@ -3,6 +3,7 @@
 #include "shadowbias/shade.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "context.h"
@@ -83,8 +84,10 @@ static shb_result check_lights(const shb_context *context, const shb_shade_desc 
         if (!are_finite(light->color))
             return shb_fail(context, SHB_ERROR_NUMBER,
                             "shb_shade: desc.lights[%zu].color is not finite", k);
+        char caller[48];
+        snprintf(caller, sizeof caller, "shb_shade: desc.lights[%zu]", k);
         const shb_result result =
-            shb_visibility_check(light->map, "shb_shade", light->bias, light->filter, true);
+            shb_visibility_check(light->map, caller, light->bias, light->filter, true);
         if (result != SHB_OK)
             return result;
     }

@@ -62,11 +62,15 @@ static shb_result check_filter(const shb_map *map, const char *caller, const shb
     if (filter->needs & ~known)
         return shb_fail(map->context, SHB_ERROR_ARGUMENT, "%s: filter.needs 0x%x has unknown bits",
                         caller, (unsigned)filter->needs);
-    if (filter->needs & SHB_NEEDS_PREPARED && !shb_prepared_find(map, filter))
-        return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
-                        "%s: the filter \"%s\" needs shb_map_prepare after the map was drawn",
-                        caller, name_or_unnamed(filter->name));
     return SHB_OK;
+}
+
+static shb_result check_prepared(const shb_map *map, const char *caller, const shb_filter *filter) {
+    if (!(filter->needs & SHB_NEEDS_PREPARED) || shb_prepared_find(map, filter))
+        return SHB_OK;
+    return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
+                    "%s: the filter \"%s\" needs shb_map_prepare after the map was drawn", caller,
+                    name_or_unnamed(filter->name));
 }
 
 shb_result shb_visibility_check(const shb_map *map, const char *caller, const shb_bias *bias,
@@ -79,7 +83,7 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
     if (bias->needs & ~known)
         return shb_fail(context, SHB_ERROR_ARGUMENT, "%s: bias.needs 0x%x has unknown bits", caller,
                         (unsigned)bias->needs);
-    const shb_result result = filter ? check_filter(map, caller, filter) : SHB_OK;
+    shb_result result = filter ? check_filter(map, caller, filter) : SHB_OK;
     if (result != SHB_OK)
         return result;
     if (shb_visibility_needs_normals(map, bias, filter) && !has_normals)
@@ -97,7 +101,9 @@ shb_result shb_visibility_check(const shb_map *map, const char *caller, const sh
                         "%s: the method \"%s\" needs a map that was drawn for it with the same "
                         "parameters",
                         caller, name_of(bias));
-    return bias->needs & SHB_NEEDS_OCCLUDERS ? check_occluders(map, caller, bias, filter) : SHB_OK;
+    if (bias->needs & SHB_NEEDS_OCCLUDERS)
+        result = check_occluders(map, caller, bias, filter);
+    return result || !filter ? result : check_prepared(map, caller, filter);
 }
 
 static bool are_aligned(const shb_points *points) {

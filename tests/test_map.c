@@ -408,21 +408,28 @@ TEST(a_failed_drawing_leaves_the_map_alone) {
     broken.world_from_mesh = shb_mat4_translation(nan(""), 0, 0);
     shb_mesh headless = mesh;
     headless.positions = NULL;
-    const shb_instance no_positions = {.mesh = &headless};
-    const shb_scene bad[] = {{&broken, 1}, {&no_positions, 1}, {NULL, 1}};
-    const shb_result expected[] = {SHB_ERROR_NUMBER, SHB_ERROR_ARGUMENT, SHB_ERROR_ARGUMENT};
+    const shb_instance second_broken[] = {instance, broken};
+    const shb_instance third_broken[] = {instance, instance, {.mesh = &headless}};
+    const struct {
+        shb_scene scene;
+        shb_result expected;
+        const char *named;
+    } bad[] = {{{second_broken, 2}, SHB_ERROR_NUMBER, "scene.instances[1]: world_from_mesh"},
+               {{third_broken, 3}, SHB_ERROR_ARGUMENT, "scene.instances[2]: mesh.positions"},
+               {{NULL, 1}, SHB_ERROR_ARGUMENT, "scene.instances is NULL"}};
     for (int i = 0; i < 3; i++) {
-        CHECK_INT(shb_map_draw(map, &bad[i], &midpoint, NULL), expected[i]);
+        CHECK_INT(shb_map_draw(map, &bad[i].scene, &midpoint, NULL), bad[i].expected);
         CHECK(strncmp(host.sentence, "shb_map_draw: ", 14) == 0);
+        CHECK(strstr(host.sentence, bad[i].named));
     }
     const uint32_t wrong[] = {0, 1, 1000};
     shb_mesh astray = mesh; /* read where the scene's box is measured */
     astray.indices = wrong;
     astray.index_size = 4;
     astray.triangle_count = 1;
-    const shb_instance no_vertex = {.mesh = &astray};
-    CHECK_INT(shb_map_draw(map, &(shb_scene){&no_vertex, 1}, NULL, NULL), SHB_ERROR_ARGUMENT);
-    CHECK(strstr(host.sentence, "index"));
+    const shb_instance no_vertex[] = {instance, {.mesh = &astray}};
+    CHECK_INT(shb_map_draw(map, &(shb_scene){no_vertex, 2}, NULL, NULL), SHB_ERROR_ARGUMENT);
+    CHECK(strstr(host.sentence, "scene.instances[1]: an index"));
     CHECK_INT(shb_map_draw(map, NULL, NULL, NULL), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_map_draw(NULL, &scene, NULL, NULL), SHB_ERROR_ARGUMENT);
 

@@ -272,3 +272,23 @@ TEST(prefiltered_parameters_out_of_range_are_refused) {
     CHECK_INT(shb_map_prepare(host.map, &endless), SHB_ERROR_ARGUMENT);
     depth_map_close(&host);
 }
+
+TEST(prefiltered_maps_without_their_preparation_say_so_unless_that_would_not_help) {
+    static const float depths[16];
+    sentence kept = {{0}};
+    const shb_context_desc context = {.log = keep_sentence, .log_user = &kept};
+    depth_map host = depth_map_open(
+        &context, &(shb_map_desc){.view = probe_orthographic(false), .width = 4}, depths);
+    const shb_bias none = shb_bias_none(), exact = shb_bias_exact();
+    const shb_filter filter = shb_filter_variance(5, 0);
+    const float position[3] = {0};
+    const shb_points points = {.count = 1, .positions = position, .normals = position};
+    float visibility;
+    CHECK_INT(shb_map_visibility(host.map, &points, &none, &filter, &visibility),
+              SHB_ERROR_UNSUPPORTED);
+    CHECK(strstr(kept.text, "needs shb_map_prepare"));
+    CHECK_INT(shb_map_visibility(host.map, &points, &exact, &filter, &visibility),
+              SHB_ERROR_UNSUPPORTED);
+    CHECK(strstr(kept.text, "desc.occluders"));
+    depth_map_close(&host);
+}

@@ -366,13 +366,14 @@ TEST(shade_error_view_takes_half_a_light_for_lit) {
 
 typedef struct logged {
     unsigned calls;
-    bool names_shade;
+    bool names_shade, names_light;
 } logged;
 
 static void log_sentence(void *user, shb_result result, const char *sentence) {
     logged *log = user;
     log->calls++;
     log->names_shade = result != SHB_OK && strncmp(sentence, "shb_shade: ", 11) == 0;
+    log->names_light = strstr(sentence, "desc.lights[1]") != NULL;
 }
 
 /* The call fails with one logged sentence and leaves the image as it was. */
@@ -449,6 +450,7 @@ TEST(shade_refuses_bad_descriptions_and_leaves_the_image) {
         memcpy(lights, t.lights, sizeof lights);                                                   \
         change;                                                                                    \
         REFUSES(desc.lights = lights, expected);                                                   \
+        CHECK(log.names_light);                                                                    \
     } while (0)
     REFUSES_LIGHT(lights[1].map = NULL, SHB_ERROR_ARGUMENT);
     REFUSES_LIGHT(lights[1].bias = NULL, SHB_ERROR_ARGUMENT);

@@ -52,12 +52,11 @@ static bool build_reference(const shb_scene *scene, uint32_t id_count, shb_refer
 }
 
 static shb_result check_scene(const shb_context *context, const shb_scene *scene) {
-    const char *reason = "an index is not below mesh.vertex_count";
-    shb_result result = shb_scene_check(scene, &reason);
+    shb_result result = shb_scene_check(context, "shb_reference_create", "scene", scene);
     if (!result)
-        result = shb_scene_validate(scene);
+        result = shb_scene_check_indices(context, "shb_reference_create", scene);
     if (result)
-        return shb_fail(context, result, "shb_reference_create: %s", reason);
+        return result;
     const uint64_t count = shb_scene_triangle_count(scene);
     if (count > SHB_BVH_TRIANGLES_MAX)
         return shb_fail(context, SHB_ERROR_SIZE,
