@@ -54,8 +54,9 @@ shb_result shb_mesh_check(const shb_mesh *mesh, const char **reason) {
         return fail(reason, SHB_ERROR_ARGUMENT, "mesh.positions is NULL");
     if (!is_aligned(mesh->positions, sizeof(float)) || !is_aligned(mesh->normals, sizeof(float)))
         return fail(reason, SHB_ERROR_ARGUMENT, "mesh.positions or normals is not aligned to 4");
-    if (mesh->position_stride % sizeof(float) || mesh->normal_stride % sizeof(float))
-        return fail(reason, SHB_ERROR_ARGUMENT, "a stride of a mesh is not a multiple of 4");
+    if (!shb_is_triple_stride(mesh->position_stride) || !shb_is_triple_stride(mesh->normal_stride))
+        return fail(reason, SHB_ERROR_ARGUMENT,
+                    "mesh.position_stride or normal_stride is no multiple of 4 or below 12");
     if (mesh->vertex_count == 0)
         return fail(reason, SHB_ERROR_SIZE, "mesh.vertex_count is 0 but there are triangles");
     if (shb_triples_overflow(mesh->vertex_count, mesh->position_stride) ||

@@ -119,10 +119,11 @@ shb_result shb_points_check(const shb_context *context, const char *caller,
         return shb_fail(context, SHB_ERROR_ARGUMENT,
                         "%s: points.positions is NULL and points.count is %zu", caller,
                         points->count);
-    if (points->position_stride % 4 || points->normal_stride % 4)
+    if (!shb_is_triple_stride(points->position_stride) ||
+        !shb_is_triple_stride(points->normal_stride))
         return shb_fail(context, SHB_ERROR_ARGUMENT,
-                        "%s: points.position_stride %zu or points.normal_stride %zu is not a "
-                        "multiple of 4",
+                        "%s: points.position_stride %zu or points.normal_stride %zu is no multiple "
+                        "of 4 or below 12",
                         caller, points->position_stride, points->normal_stride);
     if (!are_aligned(points))
         return shb_fail(context, SHB_ERROR_ARGUMENT,

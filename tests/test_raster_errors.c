@@ -226,7 +226,6 @@ TEST(a_warm_context_allocates_nothing) {
 TEST(more_vertices_than_memory_are_refused) {
     drawing *d = make_drawing();
     shb_instance instances[64];
-    d->mesh.position_stride = 4;
     d->mesh.vertex_count = UINT32_MAX;
     for (int i = 0; i < 64; i++)
         instances[i] = d->instance;

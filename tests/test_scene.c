@@ -219,6 +219,11 @@ TEST(scene_refuses_bad_strides_and_alignments) {
     shb_mesh mesh = square_mesh();
     mesh.position_stride = 14;
     check_mesh_verdict(mesh, SHB_ERROR_ARGUMENT);
+    mesh.position_stride = 4; /* triples would overlap */
+    check_mesh_verdict(mesh, SHB_ERROR_ARGUMENT);
+    mesh = square_mesh();
+    mesh.normal_stride = 8;
+    check_mesh_verdict(mesh, SHB_ERROR_ARGUMENT);
     mesh = square_mesh();
     mesh.normal_stride = 13;
     check_mesh_verdict(mesh, SHB_ERROR_ARGUMENT);

@@ -283,6 +283,8 @@ TEST(visibility_refuses_what_it_cannot_answer) {
     bad = good;
     bad.position_stride = 13;
     refuse(&host, &bad, &none, NULL, SHB_ERROR_ARGUMENT);
+    bad.position_stride = 8; /* triples would overlap */
+    refuse(&host, &bad, &none, NULL, SHB_ERROR_ARGUMENT);
     bad = good;
     bad.normal_stride = 2;
     refuse(&host, &bad, &none, NULL, SHB_ERROR_ARGUMENT);

@@ -88,7 +88,7 @@ const shb_map_info *shb_map_get_info(const shb_map *map);
 shb_depth_image shb_map_get_depth(const shb_map *map);
 
 /* Points of a host: any count, any layout. All arrays are aligned to 4 bytes; strides are multiples
- * of 4 bytes, 0: 12. */
+ * of 4 bytes and at least 12; 0: 12. */
 typedef struct shb_points {
     size_t count;
     const float *positions; /* x, y, z in world units */

@@ -15,9 +15,10 @@ typedef struct shb_clusters shb_clusters; /* clusters.h */
  * area covers nothing. */
 typedef struct shb_mesh {
     const float *positions;       /* x, y, z of each vertex in mesh units */
-    size_t position_stride;       /* bytes from one vertex to the next, a multiple of 4; 0: 12 */
+    size_t position_stride;       /* bytes from one vertex to the next: a multiple of 4 that is at
+                                     least 12; 0: 12 */
     const float *normals;         /* shading normals, or NULL; no bias method reads them */
-    size_t normal_stride;         /* bytes, a multiple of 4; 0: 12 */
+    size_t normal_stride;         /* the same for normals */
     uint32_t vertex_count;        /* indices must be below it */
     const void *indices;          /* three for each triangle; NULL: vertices 0 1 2, 3 4 5, ... */
     uint32_t index_size;          /* bytes of an index: 2 or 4; 0: 4 */
