@@ -45,7 +45,8 @@ typedef struct shb_filter_args {
 
 /* Works on the whole batch; must be thread-safe and may not fail. A tap outside the map is lit. The
  * function exact gets receivers that hold nothing but the positions and, unless the map keeps
- * lists, the normals as the host gave them. */
+ * lists, the normals as the host gave them. That of your own filter may ask by calling that of
+ * shb_filter_hard(), also at points that it moved: then with lifted true and own NULL. */
 typedef void shb_filter_fn(const shb_filter_args *args);
 
 /* Makes what the filter reads of a map; called by shb_map_prepare on the caller's thread. *prepared

@@ -15,7 +15,8 @@ typedef struct shb_map_desc {
     shb_format format;
     double scene_scale; /* world units; 0: the diagonal of the box of what is drawn (a pass over its
                            vertices at each drawing) or, for a wrapped map, of the box of the
-                           light's frustum (up to depth 0.5 if the far plane is at infinity) */
+                           light's frustum (if the far plane is at infinity only up to depth 0.5,
+                           twice as far as the near plane: give the scale then) */
     shb_occluders occluders; /* kept when the map is drawn, for the exact method */
     size_t occluder_memory;  /* the most bytes that lists may take; 0: as many as they need. Lists
                                 that would take more are made for texels twice as wide, or four
@@ -40,11 +41,13 @@ shb_result shb_map_create(shb_context *context, const shb_map_desc *desc, shb_ma
 /* Makes a map around depths that the host made (rasterized, or read back from a GPU) with the same
  * view, size and format, top row first. texels is borrowed, and read whenever the map is asked;
  * stride in bytes, 0: rows without gaps. Depths from the bottom row up, as OpenGL reads them back,
- * fit a view whose matrix has its row y negated. holds: the method whose combine stage or culling
- * the host applied; NULL: the texels are the nearest depths. Further errors: SHB_ERROR_ARGUMENT if
- * texels or stride is not aligned to the texel's size or the stride is below a row, SHB_ERROR_SIZE
- * if it overflows, SHB_ERROR_UNSUPPORTED if desc.occluders or desc.classifies is set, for which
- * depths alone do not suffice. */
+ * fit a view whose matrix has its row y negated; view.h tells what else the matrices of other
+ * systems need. Unorm depths that are rounded to the nearest step, as GPUs do, may be half a step
+ * nearer than the surface, which the method's epsilon must cover: 2^-17 in map depth for unorm16.
+ * holds: the method whose combine stage or culling the host applied; NULL: the texels are the
+ * nearest depths. Further errors: SHB_ERROR_ARGUMENT if texels or stride is not aligned to the
+ * texel's size or the stride is below a row, SHB_ERROR_SIZE if it overflows, SHB_ERROR_UNSUPPORTED
+ * if desc.occluders or desc.classifies is set, for which depths alone do not suffice. */
 shb_result shb_map_wrap(shb_context *context, const shb_map_desc *desc, const void *texels,
                         size_t stride, const shb_bias *holds, shb_map **map);
 

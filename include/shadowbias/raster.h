@@ -22,7 +22,8 @@ extern "C" {
  * so that quantisation may cause false light but never false shadow. */
 typedef enum shb_format {
     SHB_FORMAT_FLOAT32 = 0, /* float */
-    SHB_FORMAT_UNORM24,     /* uint32_t, value 0 .. 2^24 - 1 in the low bits, high bits 0 */
+    SHB_FORMAT_UNORM24,     /* uint32_t, value 0 .. 2^24 - 1 in the low bits, high bits 0: a stencil
+                               there must be cleared, OpenGL's 24_8 shifted right by 8 */
     SHB_FORMAT_UNORM16      /* uint16_t */
 } shb_format;
 

@@ -48,7 +48,8 @@ typedef struct shb_scene {
 
 /* Checks every field, index and transform of the scene against the rules above: SHB_ERROR_ARGUMENT,
  * SHB_ERROR_SIZE, SHB_ERROR_NUMBER (transform). Drawing checks all but the indices, which take a
- * pass over them: call this once for meshes from a source you do not trust. */
+ * pass over them, and reads beyond the vertices if one is out of range: call this once for meshes
+ * from a source you do not trust. It has no context to tell what is wrong. */
 shb_result shb_scene_validate(const shb_scene *scene);
 
 /* The number of triangles; 0 for a scene that drawing would refuse. */

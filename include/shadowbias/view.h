@@ -4,10 +4,19 @@
  * the null vector of the rows x, y and w (a point, or a direction if that lies at infinity). So map
  * and shadow test cannot disagree on where the light is.
  *
- * A matrix of your own fits if its clip depth runs from 0 to 1: one for OpenGL's -1 .. 1 does with
- * the mean of its rows z and w as row z. Its near plane may be tilted against the map, as long as
- * depth grows along every ray; filters that reckon with distances (those that are prepared) take it
- * for parallel to the map. */
+ * A matrix of your own fits if its clip depth runs from 0 to 1 (1 to 0 when reversed) and clip y is
+ * +w in row 0 of the image. A row-major matrix for row vectors has the same 16 numbers in the same
+ * order as the column-major one for column vectors: copy them as they stand. What is left to do,
+ * row r (x, y, z, w: 0 .. 3) being the elements m[r], m[4 + r], m[8 + r] and m[12 + r]:
+ * - Direct3D, Metal: nothing. Their front faces are clockwise, though, unless told otherwise.
+ * - OpenGL, whose clip depth is -1 .. 1 unless glClipControl says 0 .. 1: row z becomes the mean of
+ *   the rows z and w. To wrap what glReadPixels gives, bottom row first, row y is negated.
+ * - Vulkan, whose y points down unless the viewport's height is negative: row y is negated.
+ * Nothing tells a wrong row y or z from a right one. Drawing with a y that points down exchanges
+ * front and back faces.
+ *
+ * The near plane may be tilted against the map, as long as depth grows along every ray; filters
+ * that reckon with distances (those that are prepared) take it for parallel to the map. */
 #ifndef SHADOWBIAS_VIEW_H
 #define SHADOWBIAS_VIEW_H
 
