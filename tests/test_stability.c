@@ -207,7 +207,8 @@ TEST(rates_are_per_million_of_the_fragments_they_are_about) {
 }
 
 TEST(means_leave_out_cases_without_such_fragments_and_name_the_worst) {
-    const stability_case first = {.name = "first"}, second = {.name = "second"};
+    const stability_case first = {.name = "first", .group = "wall"};
+    const stability_case second = {.name = "second", .group = "wall"};
     stability_rows rows = {0};
     const stability_rates a = {.lit = 10, .false_shadow_far = 100, .wrong = 100};
     const stability_rates b = {
@@ -216,16 +217,54 @@ TEST(means_leave_out_cases_without_such_fragments_and_name_the_worst) {
     CHECK(stability_rows_add(&rows, (stability_row){&first, "m", STABILITY_TUNED, b, 64}));
     CHECK(stability_rows_add(&rows, (stability_row){&second, "m", STABILITY_DEFAULT, b, 64}));
     const stability_row *worst;
-    const stability_rates mean = stability_rows_mean(&rows, "m", STABILITY_DEFAULT, &worst);
+    const stability_rates mean =
+        stability_rows_mean(&rows, STABILITY_ALL, "m", STABILITY_DEFAULT, &worst);
     CHECK(worst == &rows.rows[2]);
     CHECK_INT(mean.lit, 15);
     CHECK_INT(mean.shadowed, 5);
     CHECK_NEAR(mean.false_shadow_far, 200, 0);
     CHECK_NEAR(mean.false_light_far, 50, 0);
     CHECK_NEAR(mean.wrong, 137.5, 0);
-    stability_rows_mean(&rows, "other", STABILITY_DEFAULT, &worst);
+    stability_rows_mean(&rows, STABILITY_ALL, "other", STABILITY_DEFAULT, &worst);
     CHECK(worst == NULL);
     stability_rows_free(&rows);
+}
+
+TEST(means_of_resolved_cases_leave_out_those_finer_than_floats) {
+    static const char *const left_out[] = {"gap", "moved", "near-far"};
+    stability_case cases[4] = {{.name = "kept", .group = "wall"}};
+    stability_rows rows = {0};
+    for (int i = 0; i < 4; i++) {
+        const stability_rates rates = {.lit = 1, .false_shadow_far = i ? 400 : 100};
+        cases[i].group = i ? left_out[i - 1] : cases[i].group;
+        CHECK(stability_rows_add(&rows,
+                                 (stability_row){&cases[i], "m", STABILITY_DEFAULT, rates, 64}));
+    }
+    const stability_row *worst;
+    stability_rates mean =
+        stability_rows_mean(&rows, STABILITY_RESOLVED, "m", STABILITY_DEFAULT, &worst);
+    CHECK(worst == &rows.rows[0]);
+    CHECK_INT(mean.lit, 1);
+    CHECK_NEAR(mean.false_shadow_far, 100, 0);
+    mean = stability_rows_mean(&rows, STABILITY_ALL, "m", STABILITY_DEFAULT, &worst);
+    CHECK_INT(mean.lit, 4);
+    CHECK_NEAR(mean.false_shadow_far, 325, 0);
+    stability_rows_free(&rows);
+}
+
+/* What a table prints, until the next call. */
+static const char *printed(void (*print)(FILE *, const stability_rows *),
+                           const stability_rows *rows) {
+    static char text[1024];
+    FILE *file = tmpfile();
+    memset(text, 0, sizeof text);
+    if (CHECK(file != NULL)) {
+        print(file, rows);
+        rewind(file);
+        CHECK(fread(text, 1, sizeof text - 1, file) > 0);
+        fclose(file);
+    }
+    return text;
 }
 
 TEST(the_table_names_its_columns_and_ends_with_the_means) {
@@ -234,20 +273,30 @@ TEST(the_table_names_its_columns_and_ends_with_the_means) {
     const stability_rates rates = {3, 1, 1.5, 2, 3, 4, 0.25};
     stability_rows rows = {0};
     CHECK(stability_rows_add(&rows, (stability_row){&c, "none", STABILITY_TUNED, rates, 64}));
-    char text[1024] = "";
-    FILE *file = tmpfile();
-    if (CHECK(file != NULL)) {
-        stability_print_tsv(file, &rows);
-        rewind(file);
-        CHECK(fread(text, 1, sizeof text - 1, file) > 0);
-        fclose(file);
-    }
+    const char *text = printed(stability_print_tsv, &rows);
     CHECK(strcmp(text, "case\tgroup\tformat\tmap_size\tmethod\tsetting\tlit\tshadowed\t"
                        "fs_far_ppm\tfl_far_ppm\tfs_near_ppm\tfl_near_ppm\twrong_ppm\n"
                        "c\tg\tunorm16-reversed\t64\tnone\ttuned\t3\t1\t"
                        "1.500\t2.000\t3.000\t4.000\t0.250\n"
+                       "RESOLVED\tRESOLVED\t-\t-\tnone\ttuned\t3\t1\t"
+                       "1.500\t2.000\t3.000\t4.000\t0.250\n"
                        "ALL\tALL\t-\t-\tnone\ttuned\t3\t1\t"
                        "1.500\t2.000\t3.000\t4.000\t0.250\n") == 0);
+    stability_rows_free(&rows);
+}
+
+/* 1 of 4 and 3 of 4 fragments are unsure. */
+TEST(the_table_of_certain_answers_ends_with_the_means) {
+    const stability_case kept = {.name = "a", .group = "g"}, gap = {.name = "b", .group = "gap"};
+    stability_rows rows = {0};
+    CHECK(stability_rows_add_certain(&rows, (stability_certain){&kept, 4, 1, 0, 1}));
+    CHECK(stability_rows_add_certain(&rows, (stability_certain){&gap, 4, 3, 1, 0}));
+    CHECK(strcmp(printed(stability_print_certain, &rows),
+                 "case\tgroup\tfragments\tunsure\tunsure_ppm\tfalse_shadow\tfalse_light\n"
+                 "a\tg\t4\t1\t250000.000\t0\t1\n"
+                 "b\tgap\t4\t3\t750000.000\t1\t0\n"
+                 "RESOLVED\tRESOLVED\t4\t1\t250000.000\t0\t1\n"
+                 "ALL\tALL\t8\t4\t500000.000\t1\t1\n") == 0);
     stability_rows_free(&rows);
 }
 
@@ -284,6 +333,28 @@ static kernel_row kernel_row_of(shb_context *context, const char *name, const ch
                      &row.lit_error, &row.bad_lit, &row.shadowed_error),
               5);
     return row;
+}
+
+/* A heading, and a row for each mean that the case belongs to. */
+static int filter_lines_of(shb_context *context, const char *name) {
+    const stability_options options = {.method = "none", .subject = name, .box = 3, .quick = true};
+    int lines = 0;
+    FILE *file = tmpfile();
+    if (!CHECK(file != NULL))
+        return 0;
+    CHECK(stability_run_filter(context, &options, file));
+    rewind(file);
+    for (int c; (c = fgetc(file)) != EOF;)
+        lines += c == '\n';
+    fclose(file);
+    return lines;
+}
+
+TEST(means_of_filters_leave_out_cases_finer_than_floats) {
+    shb_context *context = test_context(2, SHB_ISA_BEST);
+    CHECK_INT(filter_lines_of(context, "plane-45"), 3);
+    CHECK_INT(filter_lines_of(context, "gap-1e-2"), 2);
+    shb_context_destroy(context);
 }
 
 static kernel_row box_row_of(shb_context *context, const char *name, const char *method,

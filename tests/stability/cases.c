@@ -17,6 +17,16 @@ const stability_case *stability_case_at(size_t index) {
     return NULL;
 }
 
+const char *stability_mean_name(stability_mean mean) {
+    return mean == STABILITY_RESOLVED ? "RESOLVED" : "ALL";
+}
+
+bool stability_mean_has(stability_mean mean, const stability_case *c) {
+    return mean == STABILITY_ALL ||
+           (strcmp(c->group, "gap") != 0 && strcmp(c->group, "moved") != 0 &&
+            strcmp(c->group, "near-far") != 0);
+}
+
 const stability_case *stability_case_named(const char *name) {
     const stability_case *found;
     for (size_t i = 0; (found = stability_case_at(i)) != NULL; i++)

@@ -33,6 +33,18 @@ typedef struct stability_case {
     bool quick;   /* one of the few of a quick run */
 } stability_case;
 
+/* What means are taken over. */
+typedef enum stability_mean {
+    STABILITY_RESOLVED = 0, /* without the groups gap, moved and near-far, whose gaps, positions or
+                               depths are finer than floats can tell */
+    STABILITY_ALL,
+    STABILITY_MEANS
+} stability_mean;
+
+/* Its name as a case and a group of tables. */
+const char *stability_mean_name(stability_mean mean);
+bool stability_mean_has(stability_mean mean, const stability_case *c);
+
 /* A part of the suite. */
 typedef struct stability_cases {
     const stability_case *cases;

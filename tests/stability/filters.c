@@ -29,7 +29,7 @@ enum { MEANS_MAX = 32 };
 
 typedef struct kernel_run {
     FILE *stream;
-    kernel_mean means[MEANS_MAX];
+    kernel_mean means[STABILITY_MEANS][MEANS_MAX];
 } kernel_run;
 
 static kernel_errors count_errors(const stability_stage *stage) {
@@ -110,16 +110,16 @@ static double share(double part, uint64_t all) {
 }
 
 /* The method's own place, or the first empty one. */
-static kernel_mean *mean_of(kernel_run *run, const char *method) {
+static kernel_mean *mean_of(kernel_mean *means, const char *method) {
     int i = 0;
-    while (i < MEANS_MAX - 1 && *run->means[i].method && strcmp(run->means[i].method, method) != 0)
+    while (i < MEANS_MAX - 1 && *means[i].method && strcmp(means[i].method, method) != 0)
         i++;
-    snprintf(run->means[i].method, sizeof run->means[i].method, "%s", method);
-    return &run->means[i];
+    snprintf(means[i].method, sizeof means[i].method, "%s", method);
+    return &means[i];
 }
 
-static void add_to_mean(kernel_run *run, const char *method, const kernel_errors *errors) {
-    kernel_mean *mean = mean_of(run, method);
+static void add_to_mean(kernel_mean *means, const char *method, const kernel_errors *errors) {
+    kernel_mean *mean = mean_of(means, method);
     mean->lit += errors->lit;
     mean->shadowed += errors->shadowed;
     mean->lit_cases += errors->lit > 0;
@@ -145,13 +145,13 @@ static void print_row(FILE *stream, const stability_case *c, const char *method,
     print_rates(stream, method, counts, parts);
 }
 
-static void print_means(const kernel_run *run) {
-    for (const kernel_mean *m = run->means; *m->method; m++) {
+static void print_means(FILE *stream, const kernel_mean *means, const char *name) {
+    for (const kernel_mean *m = means; *m->method; m++) {
         const uint64_t counts[2] = {m->lit, m->shadowed};
         const double parts[3] = {share(m->lit_error, m->lit_cases), share(m->bad_lit, m->lit_cases),
                                  share(m->shadowed_error, m->shadowed_cases)};
-        fprintf(run->stream, "ALL\tALL\t");
-        print_rates(run->stream, m->method, counts, parts);
+        fprintf(stream, "%s\t%s\t", name, name);
+        print_rates(stream, m->method, counts, parts);
     }
 }
 
@@ -171,7 +171,9 @@ static bool run_case(shb_context *context, const stability_options *options,
         done = tool_succeeds("stability", method.name, measure(&stage, options, &method, &errors));
         if (!done)
             break;
-        add_to_mean(run, method.name, &errors);
+        for (stability_mean over = STABILITY_RESOLVED; over < STABILITY_MEANS; over++)
+            if (stability_mean_has(over, c))
+                add_to_mean(run->means[over], method.name, &errors);
         if (options->tsv)
             print_row(run->stream, c, method.name, &errors);
     }
@@ -184,6 +186,7 @@ bool stability_run_filter(shb_context *context, const stability_options *options
     fprintf(stream, "case\tgroup\tmethod\tlit\tshadowed\tlit_error_ppm\tlit_bad_ppm\t"
                     "shadowed_error_ppm\n");
     const bool done = stability_each_case(context, options, run_case, &run);
-    print_means(&run);
+    for (stability_mean over = STABILITY_RESOLVED; over < STABILITY_MEANS; over++)
+        print_means(stream, run.means[over], stability_mean_name(over));
     return done;
 }

@@ -6,8 +6,8 @@
 
 #include <stdio.h>
 
-/* Every row, tab-separated below a line of names; at the end the means of each method, as group and
- * case "ALL". */
+/* Every row, tab-separated below a line of names; at the end the means of each method, the name of
+ * the mean as group and case. */
 void stability_print_tsv(FILE *stream, const stability_rows *rows);
 
 /* Shares of certain answers, case by case, in the same way: ppm of unsure fragments, and wrong

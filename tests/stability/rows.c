@@ -62,15 +62,17 @@ static double divide(double sum, size_t count) {
     return count ? sum / (double)count : 0;
 }
 
-stability_rates stability_rows_mean(const stability_rows *rows, const char *method,
-                                    stability_setting setting, const stability_row **worst) {
+stability_rates stability_rows_mean(const stability_rows *rows, stability_mean over,
+                                    const char *method, stability_setting setting,
+                                    const stability_row **worst) {
     stability_rates sum = {0};
     size_t lit = 0, shadowed = 0, any = 0;
     *worst = NULL;
     for (size_t i = 0; i < rows->count; i++) {
         const stability_row *row = &rows->rows[i];
         const stability_rates *rates = &row->rates;
-        if (row->setting != setting || strcmp(row->method, method) != 0)
+        if (row->setting != setting || strcmp(row->method, method) != 0 ||
+            !stability_mean_has(over, row->subject))
             continue;
         sum.lit += rates->lit;
         sum.shadowed += rates->shadowed;

@@ -51,9 +51,10 @@ stability_rates stability_rates_of(const shb_errors *errors);
 
 const char *stability_setting_name(stability_setting setting);
 
-/* Over all cases of a method: fragments as sums, rates as means over the cases that have such
- * fragments. worst is the row with the highest rate of wrong fragments, NULL without rows. */
-stability_rates stability_rows_mean(const stability_rows *rows, const char *method,
-                                    stability_setting setting, const stability_row **worst);
+/* Over the cases of a mean, of a method: fragments as sums, rates as means over the cases that have
+ * such fragments. worst is the row with the highest rate of wrong fragments, NULL without rows. */
+stability_rates stability_rows_mean(const stability_rows *rows, stability_mean over,
+                                    const char *method, stability_setting setting,
+                                    const stability_row **worst);
 
 #endif

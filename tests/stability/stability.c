@@ -73,6 +73,10 @@ static int run(const stability_options *options) {
     return done && fflush(stdout) == 0 ? TOOL_OK : TOOL_FAILED;
 }
 
+static const char notes[] =
+    "Means are over ALL cases, and over those that floats have RESOLVED: without the groups gap,\n"
+    "moved and near-far, whose gaps, positions or depths are finer than floats can tell.\n";
+
 static bool read_options(int argc, char **argv, stability_options *options, int *exit_code) {
     bool help = false;
     const argument_spec arguments[] = {
@@ -93,7 +97,7 @@ static bool read_options(int argc, char **argv, stability_options *options, int 
         {"--help", NULL, "print this", ARGUMENT_FLAG, &help, 0, 0},
     };
     if (!arguments_read(argc, argv, "stability [OPTIONS]", arguments,
-                        sizeof arguments / sizeof *arguments, NULL, exit_code))
+                        sizeof arguments / sizeof *arguments, notes, exit_code))
         return false;
     *exit_code = TOOL_USAGE;
     return (!options->method || find_method(options->method)) &&
