@@ -1,4 +1,5 @@
 #include "allocator.h"
+#include "contexts.h"
 #include "random.h"
 #include "test.h"
 
@@ -17,31 +18,11 @@
 #include <xmmintrin.h>
 #endif
 
-typedef struct log_record {
-    int calls;
-    shb_result result;
-    char sentence[1024];
-} log_record;
-
-static void record(void *user, shb_result result, const char *sentence) {
-    log_record *log = user;
-    log->calls++;
-    log->result = result;
-    snprintf(log->sentence, sizeof(log->sentence), "%s", sentence);
-}
-
-static shb_context *create(uint32_t threads) {
-    const shb_context_desc desc = {.threads = threads};
-    shb_context *context = NULL;
-    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
-    return context;
-}
-
 /* The description must be refused with one sentence that holds both texts. */
 static void check_refused(shb_context_desc desc, shb_result expected, const char *field,
                           const char *value) {
-    log_record log = {0};
-    desc.log = record;
+    test_log log = {0};
+    desc.log = test_log_keep;
     desc.log_user = &log;
     shb_context *const untouched = (shb_context *)(void *)&log;
     shb_context *context = untouched;
@@ -95,10 +76,10 @@ TEST(context_survives_failure_of_every_allocation) {
         size_t fail_at = 1;
         for (; result == SHB_ERROR_MEMORY; fail_at++) {
             test_allocator state = {.fail_at = fail_at};
-            log_record log = {0};
+            test_log log = {0};
             const shb_context_desc desc = {.allocator = test_allocator_hooks(&state),
                                            .threads = threads,
-                                           .log = record,
+                                           .log = test_log_keep,
                                            .log_user = &log};
             shb_context *context = NULL;
             result = shb_context_create(&desc, &context);
@@ -175,7 +156,7 @@ TEST(instruction_sets_have_names) {
 }
 
 TEST(memory_is_aligned_and_overflow_is_refused) {
-    shb_context *context = create(1);
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     for (size_t size = 0; size < 200; size += 37) {
         unsigned char *memory = shb_alloc(context, size, 3);
         CHECK(memory != NULL);
@@ -242,8 +223,8 @@ TEST(buffer_is_empty_after_failure) {
 }
 
 TEST(failure_is_logged_as_one_sentence) {
-    log_record log = {0};
-    const shb_context_desc desc = {.threads = 1, .log = record, .log_user = &log};
+    test_log log = {0};
+    const shb_context_desc desc = {.threads = 1, .log = test_log_keep, .log_user = &log};
     shb_context *context = NULL;
     CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
     CHECK_INT(log.calls, 0);
@@ -255,7 +236,7 @@ TEST(failure_is_logged_as_one_sentence) {
     CHECK(strlen(log.sentence) >= 200 && strlen(log.sentence) < 900);
     CHECK_INT(log.calls, 2);
     shb_context_destroy(context);
-    context = create(1);
+    context = test_context(1, SHB_ISA_BEST);
     CHECK_INT(shb_fail(context, SHB_ERROR_NUMBER, "silent"), SHB_ERROR_NUMBER);
     CHECK_INT(shb_fail(NULL, SHB_ERROR_NUMBER, "silent"), SHB_ERROR_NUMBER);
     shb_context_destroy(context);
@@ -272,7 +253,7 @@ static void count_visit(void *arg, size_t index) {
 TEST(parallel_for_visits_every_index_once) {
     const size_t counts[] = {0, 1, 2, 3, 7, 64, MOST_TASKS};
     for (uint32_t threads = 1; threads <= 8; threads++) {
-        shb_context *context = create(threads);
+        shb_context *context = test_context(threads, SHB_ISA_BEST);
         CHECK_INT(shb_context_threads(context), threads);
         for (size_t i = 0; i < sizeof(counts) / sizeof(counts[0]); i++) {
             unsigned visits[MOST_TASKS + 1] = {0};
@@ -323,7 +304,7 @@ static void check_meeting(const shb_context *context, uint32_t threads) {
 
 TEST(all_threads_of_the_pool_work) {
     for (uint32_t threads = 2; threads <= 8; threads++) {
-        shb_context *context = create(threads);
+        shb_context *context = test_context(threads, SHB_ISA_BEST);
         for (int call = 0; call < 20; call++)
             check_meeting(context, threads);
         shb_context_destroy(context);
@@ -332,7 +313,7 @@ TEST(all_threads_of_the_pool_work) {
 
 TEST(sleeping_threads_wake_for_every_call) {
     const uint32_t threads = 4;
-    shb_context *context = create(threads);
+    shb_context *context = test_context(threads, SHB_ISA_BEST);
     test_random random = {1};
     for (int call = 0; call < 100; call++) {
         sleep_microseconds((long)random_below(&random, 2000));
@@ -348,7 +329,7 @@ static void sleep_at_last_task(void *arg, size_t index) {
 }
 
 TEST(caller_waits_for_slow_tasks) {
-    shb_context *context = create(2);
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     for (int call = 0; call < 20; call++) {
         meeting m = {.expected = 2};
         shb_parallel_for(context, sleep_at_last_task, &m, 2);
@@ -366,7 +347,7 @@ static void read_signal_mask(void *arg, size_t index) {
 }
 
 TEST(workers_leave_signals_to_the_host) {
-    shb_context *context = create(2);
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     struct {
         int blocked[4];
         meeting *m;

@@ -53,18 +53,12 @@ TEST(halves_round_to_nearest_even_within_their_bound) {
 typedef struct host {
     shb_context *context;
     shb_map *map;
-    char sentence[256];
+    test_log log;
 } host;
-
-static void keep_sentence(void *user, shb_result result, const char *sentence) {
-    host *kept = user;
-    CHECK(result != SHB_OK);
-    strncpy(kept->sentence, sentence, sizeof kept->sentence - 1);
-}
 
 static void open_host(host *opened, const shb_map_desc *desc) {
     *opened = (host){0};
-    const shb_context_desc context = {.threads = 1, .log = keep_sentence, .log_user = opened};
+    const shb_context_desc context = {.threads = 1, .log = test_log_keep, .log_user = &opened->log};
     CHECK_INT(shb_context_create(&context, &opened->context), SHB_OK);
     CHECK_INT(shb_map_create(opened->context, desc, &opened->map), SHB_OK);
 }
@@ -102,7 +96,7 @@ TEST(exact_needs_a_map_that_keeps_occluders) {
     open_host(&h, &desc);
     CHECK_INT(shb_map_draw(h.map, soup_scene(&s), &exact, NULL), SHB_OK);
     CHECK_INT(ask(&h, point, NULL, &visibility), SHB_ERROR_UNSUPPORTED);
-    CHECK(strstr(h.sentence, "shb_map_visibility") && strstr(h.sentence, "desc.occluders"));
+    CHECK(strstr(h.log.sentence, "shb_map_visibility") && strstr(h.log.sentence, "desc.occluders"));
     CHECK(visibility == 7);
     const size_t plain = shb_map_get_info(h.map)->memory_bytes;
     close_host(&h);
@@ -126,7 +120,7 @@ TEST(exact_needs_a_map_that_keeps_occluders) {
     CHECK_INT(ask(&h, point, &own, &visibility), SHB_OK);
     const shb_filter other = {.name = "other", .filter = (shb_filter_fn *)(void (*)(void))free};
     CHECK_INT(ask(&h, point, &other, &visibility), SHB_ERROR_UNSUPPORTED);
-    CHECK(strstr(h.sentence, "\"other\""));
+    CHECK(strstr(h.log.sentence, "\"other\""));
     const shb_points bare = {.count = 1, .positions = point};
     CHECK_INT(shb_map_visibility(h.map, &bare, &exact, NULL, &visibility), SHB_ERROR_UNSUPPORTED);
     const shb_points full = {.count = 1, .positions = point, .normals = up};
@@ -138,12 +132,12 @@ TEST(exact_needs_a_map_that_keeps_occluders) {
 TEST(a_wrapped_map_keeps_no_occluders) {
     float texels[16] = {0};
     host h = {0};
-    const shb_context_desc context = {.threads = 1, .log = keep_sentence, .log_user = &h};
+    const shb_context_desc context = {.threads = 1, .log = test_log_keep, .log_user = &h.log};
     CHECK_INT(shb_context_create(&context, &h.context), SHB_OK);
     const shb_map_desc desc = {
         .view = probe_orthographic(false), .width = 4, .occluders = SHB_OCCLUDERS_PLANES};
     CHECK_INT(shb_map_wrap(h.context, &desc, texels, 0, NULL, &h.map), SHB_ERROR_UNSUPPORTED);
-    CHECK(h.map == NULL && strstr(h.sentence, "desc.occluders"));
+    CHECK(h.map == NULL && strstr(h.log.sentence, "desc.occluders"));
     close_host(&h);
 }
 

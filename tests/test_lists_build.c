@@ -194,12 +194,6 @@ TEST(lists_under_a_memory_cap_are_smaller_and_say_the_same) {
     soup_free(&s);
 }
 
-static void keep_sentence(void *user, shb_result result, const char *sentence) {
-    (void)result;
-    char *kept = user;
-    snprintf(kept, 256, "%s", sentence);
-}
-
 static shb_map *make_map(shb_context *context, const shb_view *view, size_t occluder_memory) {
     const shb_map_desc desc = {.view = *view,
                                .width = 256,
@@ -215,9 +209,9 @@ TEST(a_map_keeps_to_the_memory_for_its_occluders_and_says_the_same) {
     soup s = {0};
     make_soup(&s, 1);
     const shb_scene *scene = soup_scene(&s);
-    char sentence[256] = "";
+    test_log log = {0};
     shb_context *context = NULL;
-    const shb_context_desc desc = {.threads = 1, .log = keep_sentence, .log_user = sentence};
+    const shb_context_desc desc = {.threads = 1, .log = test_log_keep, .log_user = &log};
     CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
     shb_box box;
     CHECK_INT(shb_scene_bounds(scene, &box), SHB_OK);
@@ -247,7 +241,7 @@ TEST(a_map_keeps_to_the_memory_for_its_occluders_and_says_the_same) {
 
     shb_map *tight = make_map(context, &view, least->memory_bytes - 1);
     CHECK_INT(shb_map_draw(tight, scene, NULL, NULL), SHB_ERROR_MEMORY);
-    CHECK(strstr(sentence, "shb_map_draw") && strstr(sentence, "desc.occluder_memory"));
+    CHECK(strstr(log.sentence, "shb_map_draw") && strstr(log.sentence, "desc.occluder_memory"));
     CHECK_INT(shb_map_get_info(tight)->memory_bytes, texels);
     shb_lists_destroy(least);
     shb_map_destroy(free_map);

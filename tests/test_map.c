@@ -1,5 +1,6 @@
 /* Making, wrapping and drawing maps, and what is left behind when that fails. */
 #include "allocator.h"
+#include "contexts.h"
 #include "probe.h"
 #include "random.h"
 #include "test.h"
@@ -10,21 +11,15 @@
 typedef struct setting {
     test_allocator memory;
     shb_context *context;
-    char sentence[256]; /* the last one logged */
+    test_log log;
 } setting;
-
-static void keep_sentence(void *user, shb_result result, const char *sentence) {
-    setting *host = user;
-    (void)result;
-    strncpy(host->sentence, sentence, sizeof host->sentence - 1);
-}
 
 static void open_context(setting *host) {
     *host = (setting){0};
     const shb_context_desc desc = {.allocator = test_allocator_hooks(&host->memory),
                                    .threads = 1,
-                                   .log = keep_sentence,
-                                   .log_user = host};
+                                   .log = test_log_keep,
+                                   .log_user = &host->log};
     CHECK_INT(shb_context_create(&desc, &host->context), SHB_OK);
 }
 
@@ -125,13 +120,15 @@ static void refuse(setting *host, const shb_map_desc *desc, shb_result expected,
                    const char *field) {
     shb_map *const untouched = (shb_map *)(void *)host;
     shb_map *map = untouched;
-    host->sentence[0] = 0;
+    host->log.sentence[0] = 0;
     CHECK_INT(shb_map_create(host->context, desc, &map), expected);
-    CHECK(strncmp(host->sentence, "shb_map_create: ", 16) == 0 && strstr(host->sentence, field));
+    CHECK(strncmp(host->log.sentence, "shb_map_create: ", 16) == 0 &&
+          strstr(host->log.sentence, field));
     CHECK(map == untouched);
-    host->sentence[0] = 0;
+    host->log.sentence[0] = 0;
     CHECK_INT(shb_map_wrap(host->context, desc, nowhere, 0, NULL, &map), expected);
-    CHECK(strncmp(host->sentence, "shb_map_wrap: ", 14) == 0 && strstr(host->sentence, field));
+    CHECK(strncmp(host->log.sentence, "shb_map_wrap: ", 14) == 0 &&
+          strstr(host->log.sentence, field));
     CHECK(map == untouched);
 }
 
@@ -215,7 +212,7 @@ TEST(wrapping_refuses_bad_arrays) {
         CHECK_INT(shb_map_wrap(host.context, &desc, cases[i].texels, cases[i].stride, NULL, &map),
                   cases[i].expected);
         CHECK(!map);
-        CHECK(strstr(host.sentence, cases[i].field));
+        CHECK(strstr(host.log.sentence, cases[i].field));
     }
     close_context(&host);
 }
@@ -419,8 +416,8 @@ TEST(a_failed_drawing_leaves_the_map_alone) {
                {{NULL, 1}, SHB_ERROR_ARGUMENT, "scene.instances is NULL"}};
     for (int i = 0; i < 3; i++) {
         CHECK_INT(shb_map_draw(map, &bad[i].scene, &midpoint, NULL), bad[i].expected);
-        CHECK(strncmp(host.sentence, "shb_map_draw: ", 14) == 0);
-        CHECK(strstr(host.sentence, bad[i].named));
+        CHECK(strncmp(host.log.sentence, "shb_map_draw: ", 14) == 0);
+        CHECK(strstr(host.log.sentence, bad[i].named));
     }
     const uint32_t wrong[] = {0, 1, 1000};
     shb_mesh astray = mesh; /* read where the scene's box is measured */
@@ -429,7 +426,7 @@ TEST(a_failed_drawing_leaves_the_map_alone) {
     astray.triangle_count = 1;
     const shb_instance no_vertex[] = {instance, {.mesh = &astray}};
     CHECK_INT(shb_map_draw(map, &(shb_scene){no_vertex, 2}, NULL, NULL), SHB_ERROR_ARGUMENT);
-    CHECK(strstr(host.sentence, "scene.instances[1]: an index"));
+    CHECK(strstr(host.log.sentence, "scene.instances[1]: an index"));
     CHECK_INT(shb_map_draw(map, NULL, NULL, NULL), SHB_ERROR_ARGUMENT);
     CHECK_INT(shb_map_draw(NULL, &scene, NULL, NULL), SHB_ERROR_ARGUMENT);
 

@@ -223,15 +223,6 @@ TEST(prefiltered_maps_tell_what_they_take) {
     }
 }
 
-typedef struct sentence {
-    char text[256];
-} sentence;
-
-static void keep_sentence(void *user, shb_result result, const char *text) {
-    (void)result;
-    strncpy(((sentence *)user)->text, text, sizeof((sentence *)user)->text - 1);
-}
-
 TEST(prefiltered_parameters_out_of_range_are_refused) {
     const struct {
         const char *text, *named;
@@ -255,15 +246,15 @@ TEST(prefiltered_parameters_out_of_range_are_refused) {
                  {"exponential-variance-soft:bleeding=-1", "bleeding -1"},
                  {"moments-soft:light=-2", "light -2"}};
     static const float depths[16];
-    sentence kept = {{0}};
-    const shb_context_desc context = {.log = keep_sentence, .log_user = &kept};
+    test_log log = {0};
+    const shb_context_desc context = {.log = test_log_keep, .log_user = &log};
     depth_map host = depth_map_open(
         &context, &(shb_map_desc){.view = probe_orthographic(false), .width = 4}, depths);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         shb_filter filter;
         CHECK_INT(shb_filter_parse(cases[i].text, &filter), SHB_OK);
         CHECK_INT(shb_map_prepare(host.map, &filter), SHB_ERROR_ARGUMENT);
-        CHECK(strstr(kept.text, cases[i].named) != NULL);
+        CHECK(strstr(log.sentence, cases[i].named) != NULL);
     }
     shb_filter nan_size = shb_filter_moments(5);
     nan_size.params[0] = NAN;
@@ -275,8 +266,8 @@ TEST(prefiltered_parameters_out_of_range_are_refused) {
 
 TEST(prefiltered_maps_without_their_preparation_say_so_unless_that_would_not_help) {
     static const float depths[16];
-    sentence kept = {{0}};
-    const shb_context_desc context = {.log = keep_sentence, .log_user = &kept};
+    test_log log = {0};
+    const shb_context_desc context = {.log = test_log_keep, .log_user = &log};
     depth_map host = depth_map_open(
         &context, &(shb_map_desc){.view = probe_orthographic(false), .width = 4}, depths);
     const shb_bias none = shb_bias_none(), exact = shb_bias_exact();
@@ -286,9 +277,9 @@ TEST(prefiltered_maps_without_their_preparation_say_so_unless_that_would_not_hel
     float visibility;
     CHECK_INT(shb_map_visibility(host.map, &points, &none, &filter, &visibility),
               SHB_ERROR_UNSUPPORTED);
-    CHECK(strstr(kept.text, "needs shb_map_prepare"));
+    CHECK(strstr(log.sentence, "needs shb_map_prepare"));
     CHECK_INT(shb_map_visibility(host.map, &points, &exact, &filter, &visibility),
               SHB_ERROR_UNSUPPORTED);
-    CHECK(strstr(kept.text, "desc.occluders"));
+    CHECK(strstr(log.sentence, "desc.occluders"));
     depth_map_close(&host);
 }

@@ -45,34 +45,21 @@ static bool is_untouched(const test_target *target) {
     return equal;
 }
 
-typedef struct log_state {
-    shb_result result;
-    char sentence[256];
-} log_state;
-
-static void keep_sentence(void *user, shb_result result, const char *sentence) {
-    log_state *state = user;
-    state->result = result;
-    strncpy(state->sentence, sentence, sizeof state->sentence - 1);
-}
-
 /* Draws, expects the result, a sentence that names the field, and outputs as they were. */
 static void check_refused(drawing *d, shb_result expected, const char *field) {
-    log_state state = {SHB_OK, ""};
+    test_log log = {0};
+    const shb_context_desc desc = {.threads = 1, .log = test_log_keep, .log_user = &log};
     shb_context *context = NULL;
-    CHECK_INT(
-        shb_context_create(
-            &(shb_context_desc){.threads = 1, .log = keep_sentence, .log_user = &state}, &context),
-        SHB_OK);
+    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
     shb_draw_stats stats, before;
     memset(&stats, 0x5a, sizeof stats);
     before = stats;
     CHECK_INT(shb_draw(context, &d->desc, &stats), expected);
     CHECK(memcmp(&stats, &before, sizeof stats) == 0);
     CHECK(is_untouched(&d->target));
-    CHECK_INT(state.result, expected);
-    test_check(strstr(state.sentence, "shb_draw") && strstr(state.sentence, field), __FILE__,
-               __LINE__, "\"%s\" does not name %s", state.sentence, field);
+    CHECK_INT(log.result, expected);
+    test_check(strstr(log.sentence, "shb_draw") && strstr(log.sentence, field), __FILE__, __LINE__,
+               "\"%s\" does not name %s", log.sentence, field);
     shb_context_destroy(context);
     free_drawing(d);
 }

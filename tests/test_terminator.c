@@ -206,9 +206,8 @@ TEST(a_smooth_terminator_asks_by_the_plane_that_faces_the_light) {
     const shb_map_desc map_desc = {.view = view_from((shb_vec3){0.8, 0, 0.4}), .width = 16};
     const shb_draw_desc draw = {
         .view = &camera, .scene = &scene, .width = FRAME, .height = FRAME, .ids = ids};
-    shb_context *context;
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     shb_map *map;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
     CHECK_INT(shb_map_create(context, &map_desc, &map), SHB_OK);
     CHECK_INT(shb_map_draw(map, &scene, NULL, NULL), SHB_OK);
     CHECK_INT(shb_draw(context, &draw, NULL), SHB_OK);

@@ -81,12 +81,11 @@ TEST(instances_are_one_mesh) {
     static const uint32_t expected[4][3] = {
         {NONE, 1, NONE}, {0, 2, NONE}, {NONE, 3, 1}, {2, NONE, NONE}};
     two_meshes m;
-    shb_context *context;
+    shb_context *context = test_context(1, SHB_ISA_BEST);
     shb_topology topology;
     fill(&m);
     m.instances[1].world_from_mesh.m[12] = 1;
     m.instances[1].world_from_mesh.m[14] = -1;
-    CHECK_INT(shb_context_create(&(shb_context_desc){.threads = 1}, &context), SHB_OK);
     CHECK(shb_topology_make(context, &(shb_scene){m.instances, 2}, 5, &topology));
     CHECK_INT(topology.key, 5);
     CHECK_INT(topology.triangle_count, 4);
