@@ -23,7 +23,9 @@ static inline void wd_store_floats(float *p, wd v) {
     vst1_f32(p, vcvt_f32_f64(v));
 }
 static inline void wd_store_ints(int32_t *p, wd v) {
-    vst1_s32(p, vmovn_s64(vcvtq_s64_f64(v)));
+    const uint64x2_t known = vceqq_f64(v, v);
+    const int64x2_t ints = vcvtq_s64_f64(vbslq_f64(known, v, vdupq_n_f64(-0x1p31)));
+    vst1_s32(p, vqmovn_s64(ints));
 }
 static inline wd wd_max(wd a, wd b) {
     return vbslq_f64(vcgtq_f64(a, b), a, b);

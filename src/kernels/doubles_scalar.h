@@ -21,9 +21,12 @@ static inline void wd_store(double *p, wd v) {
 static inline void wd_store_floats(float *p, wd v) {
     *p = (float)v;
 }
-/* Towards zero; the value must fit. */
+/* Towards zero; what does not fit becomes a number that does not lie in any map. */
+static inline int32_t int_of(double v) {
+    return v > -0x1p31 && v < 0x1p31 ? (int32_t)v : INT32_MIN;
+}
 static inline void wd_store_ints(int32_t *p, wd v) {
-    *p = (int32_t)v;
+    *p = int_of(v);
 }
 /* b if one of them is NaN. */
 static inline wd wd_max(wd a, wd b) {
@@ -35,9 +38,9 @@ static inline wd wd_min(wd a, wd b) {
 static inline wd wd_sqrt(wd v) {
     return sqrt(v);
 }
-/* The value must fit an int. */
+/* What does not fit an int becomes any number that does not. */
 static inline wd wd_floor(wd v) {
-    const double truncated = (double)(int32_t)v;
+    const double truncated = (double)int_of(v);
     return truncated - (truncated > v ? 1.0 : 0.0);
 }
 static inline wd wd_where_greater(wd a, wd b, wd yes, wd no) {

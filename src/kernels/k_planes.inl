@@ -2,6 +2,8 @@
  * each fragment and the texel that holds it. Places are found in double, as that test has them; the
  * rest is done in float, of which quick_planes.c tells what is sure. The few others are tested. */
 
+#include "lane_parts.h"
+
 /* By which nu is multiplied, so that errors become infinite before anything else overflows. */
 #define NU_SCALE 0x1p60f
 
@@ -34,8 +36,8 @@ static inline ALWAYS_INLINE shb_quick_points arrays_of(const shb_quick_points *p
 }
 
 static inline ALWAYS_INLINE void unpack_points(const shb_quick_points *points, size_t i,
-                                               plane_batch *batch) {
-    vf position[3], normal[3];
+                                               plane_batch *batch, vf position[3]) {
+    vf normal[3];
     prefetch_next_batch(points, true, i);
     vf_read_triples(points->position[0] + 3 * i, position);
     vf_read_triples(points->normal[0] + 3 * i, normal);
@@ -47,14 +49,13 @@ static inline ALWAYS_INLINE void unpack_points(const shb_quick_points *points, s
 
 /* Fragments behind the light come to lie outside of the map. */
 static inline ALWAYS_INLINE void place_doubles(const shb_light_rows *rows, bool affine,
-                                               const shb_quick_points *points, size_t first,
+                                               const vf position[3], size_t first,
                                                plane_batch *batch) {
-    const double limit = -(double)SHB_TEXEL_NONE;
     const wd zero = wd_splat(0.0), none = wd_splat((double)SHB_TEXEL_NONE);
     for (size_t i = first; i < first + WIDE; i += DOUBLES) {
-        const wd px = wd_load_floats(points->position[0] + i);
-        const wd py = wd_load_floats(points->position[1] + i);
-        const wd pz = wd_load_floats(points->position[2] + i);
+        const wd px = wd_part(position[0], i - first);
+        const wd py = wd_part(position[1], i - first);
+        const wd pz = wd_part(position[2], i - first);
         wd x = row_at(rows->x, px, py, pz);
         wd y = row_at(rows->y, px, py, pz);
         wd z = row_at(rows->z, px, py, pz);
@@ -69,7 +70,7 @@ static inline ALWAYS_INLINE void place_doubles(const shb_light_rows *rows, bool 
             wd_store_floats(batch->depth + i, z);
             wd_store_floats(batch->inverse_w + i, inverse_w);
         }
-        const wd column = wd_floor(limited(x, limit)), row = wd_floor(limited(y, limit));
+        const wd column = wd_floor(x), row = wd_floor(y);
         wd_store(batch->z + i, z);
         wd_store_floats(batch->to_x + i, column + 0.5 - x);
         wd_store_floats(batch->to_y + i, row + 0.5 - y);
@@ -80,12 +81,14 @@ static inline ALWAYS_INLINE void place_doubles(const shb_light_rows *rows, bool 
 
 static inline ALWAYS_INLINE void place_as(const shb_map *map, bool affine, size_t lanes,
                                           const shb_quick_points *points, plane_batch *batch) {
-    const shb_quick_points arrays = arrays_of(points, batch);
     const shb_light_rows rows = map->rows;
     for (size_t i = 0; i < lanes; i += WIDE) {
+        vf position[3];
         if (points->packed)
-            unpack_points(points, i, batch);
-        place_doubles(&rows, affine, &arrays, i, batch);
+            unpack_points(points, i, batch, position);
+        else
+            read_points(points->position, false, i, position);
+        place_doubles(&rows, affine, position, i, batch);
     }
 }
 
