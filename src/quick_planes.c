@@ -133,7 +133,8 @@ shb_quick_planes shb_quick_planes_of(const shb_map *map) {
         .slope_unit = (float)unit * 0x1p112f,
         .occluder = known ? (float)(SHB_HALF_ABSOLUTE * unit * 1.01) : NAN,
         .occluder_by_place = (float)(1.05 * U * size_z),
-        .occluder_by_slope = (float)(0.37 * U * larger)};
+        .occluder_by_slope = (float)(0.37 * U * larger),
+        .diagonal = (float)(map->projection.texel_scale * map->projection.depth_scale)};
     write_cross(x, y, scale, quick.xy);
     write_cross(z, y, scale, quick.zy);
     write_cross(x, z, scale, quick.xz);

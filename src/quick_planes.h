@@ -16,6 +16,7 @@ typedef struct shb_quick_planes {
     float own, own_by_normal, own_by_place, own_by_w;     /* U: plain, by nu, nu psi, nu psi / w */
     float slope_unit;                                     /* of halves as k_mutual.inl reads them */
     float occluder, occluder_by_place, occluder_by_slope; /* V: plain, by psi, psi and slopes */
+    float diagonal; /* what depth changes by on a texel at 45 degrees to the light, times w */
 } shb_quick_planes;
 
 /* Of a map that keeps planes, whose slope unit is known. Where its numbers leave the range that

@@ -8,6 +8,7 @@
 #include "probe.h"
 #include "random.h"
 #include "shadowbias/clusters.h"
+#include "slow_taps.h"
 #include "soup.h"
 #include "test.h"
 
@@ -227,7 +228,10 @@ static float mutual_answer(const shb_map *map, const float at[3], const float tu
     shb_map_fetch(map, 1, &column, &row, &depth);
     sample.depth = (double)depth;
     const bool is_far = depth >= (map->info.view.reversed ? 0.0f : 1.0f);
-    return !is_far && shb_exact_is_shadowed(&fragment, &sample) ? 0.0f : 1.0f;
+    return !is_far && shb_exact_is_shadowed(&fragment, &sample) &&
+                   !slow_is_fine_sheet(map, &fragment, column, row)
+               ? 0.0f
+               : 1.0f;
 }
 
 enum { SAME_POINTS = 999 };

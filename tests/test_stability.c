@@ -154,6 +154,38 @@ TEST(lists_have_no_errors_away_from_boundaries) {
     shb_context_destroy(context);
 }
 
+/* Facets that are turned alike and lie side by side in a texel look like sheets one above the
+ * other; without a look at the texels around them more than 6 % are in false shadow. */
+TEST(planes_leave_reliefs_finer_than_texels_in_their_own_light) {
+    static const char *const names[] = {"relief-0.1", "relief-0.25", "relief-0.5"};
+    shb_context *context = test_context(2, SHB_ISA_BEST);
+    for (size_t i = 0; i < 3; i++) {
+        const stability_case c = case_of(names[i]);
+        stability_stage stage = stage_of(context, &c);
+        const shb_errors errors = errors_in(&stage, "exact-planes");
+        CHECK(errors.lit > 1000);
+        CHECK(errors.false_shadow_ppm < 2000);
+        stability_stage_close(&stage);
+    }
+    shb_context_destroy(context);
+}
+
+/* Sheets that lie less than a texel apart, and the ground beside a box. */
+TEST(planes_keep_the_shadows_of_sheets_that_lie_close) {
+    static const char *const names[] = {"gap-1e-6", "gap-1e-5", "gap-1e-4", "contact-1e-4",
+                                        "wedge-1"};
+    shb_context *context = test_context(2, SHB_ISA_BEST);
+    for (size_t i = 0; i < 5; i++) {
+        const stability_case c = case_of(names[i]);
+        stability_stage stage = stage_of(context, &c);
+        const shb_errors errors = errors_in(&stage, "exact-planes");
+        CHECK(errors.shadowed > 500);
+        CHECK_INT(errors.false_light, 0);
+        stability_stage_close(&stage);
+    }
+    shb_context_destroy(context);
+}
+
 static uint64_t wrong(const shb_errors *errors) {
     return errors->false_shadow + errors->false_light + errors->boundary_shadow +
            errors->boundary_light;

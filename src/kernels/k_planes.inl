@@ -1,6 +1,8 @@
 /* The exact method on maps that keep planes: the test of mutual planes (shb_exact_is_shadowed) of
  * each fragment and the texel that holds it. Places are found in double, as that test has them; the
- * rest is done in float, of which quick_planes.c tells what is sure. The few others are tested. */
+ * rest is done in float, of which quick_planes.c tells what is sure. The few others are tested.
+ * What is shadowed by something near looks at the texels around its own, too (light_fine_sheets).
+ */
 
 #include "lane_parts.h"
 
@@ -21,7 +23,8 @@ typedef struct plane_batch {
     float steepness[SHB_BATCH], rise_x[SHB_BATCH], rise_y[SHB_BATCH]; /* D, N */
     float ahead[SHB_BATCH]; /* T less the part of d, later all of it, with errors but those by d */
     float stored[SHB_BATCH], behind[SHB_BATCH]; /* d */
-    int32_t open[SHB_BATCH];                    /* -1: not surely lit by the own plane */
+    float passed[SHB_BATCH]; /* what the texel's plane passes in front by, of those that are open */
+    int32_t open[SHB_BATCH]; /* -1: not surely lit by the own plane */
 } plane_batch;
 
 /* Positions and normals as arrays: where they are packed, those of the batch. */
@@ -225,8 +228,7 @@ typedef struct occluder_side {
 } occluder_side;
 
 static inline ALWAYS_INLINE occluder_side judge_occluders(const shb_quick_planes *q, vu halves,
-                                                          const plane_batch *batch, size_t i,
-                                                          vf psi) {
+                                                          plane_batch *batch, size_t i, vf psi) {
     const float half = (float)SHB_HALF_RELATIVE, more = 0x1p-20f;
     const vf behind = vf_load(batch->behind + i), half_y = half_high(halves);
     const vf slope_x = half_low(halves) * q->slope_unit, slope_y = half_y * q->slope_unit;
@@ -234,6 +236,7 @@ static inline ALWAYS_INLINE occluder_side judge_occluders(const shb_quick_planes
     const vf run_x = slope_x * vf_load(batch->to_x + i), run_y = slope_y * vf_load(batch->to_y + i);
     const vf runs = vf_abs(run_x) + vf_abs(run_y), passed = behind + (run_x + run_y);
     const vf rounding = 0x1p-22f * vf_abs(behind) + 0x1p-100f;
+    vf_store(batch->passed + i, passed);
     const vf most = ((half + more) * runs + rounding) +
                     (q->occluder + psi * (q->occluder_by_place + q->occluder_by_slope * slopes));
     const vi is_finite = is_finite_half(half_y);
@@ -258,9 +261,8 @@ static inline ALWAYS_INLINE vi are_behind(const shb_quick_planes *q, const plane
 
 /* Writes who is surely shadowed; bits of those that are open and not sure. */
 static inline ALWAYS_INLINE uint32_t settle_open(const shb_map *map, bool affine, bool gathers,
-                                                 const shb_quick_points *points,
-                                                 const plane_batch *batch, size_t i,
-                                                 float *restrict visibility) {
+                                                 const shb_quick_points *points, plane_batch *batch,
+                                                 size_t i, float *restrict visibility) {
     const shb_quick_planes *q = &map->occluders.quick;
     const vi open = vi_load(batch->open + i);
     const vu halves = read_slopes(map, gathers, batch, i, open);
@@ -334,6 +336,76 @@ static NEVER_INLINE void test_planes(const shb_map *map, const shb_quick_points 
         visibility[numbers[k]] = shadowed >> k & 1 ? 0.0f : 1.0f;
 }
 
+/* Planes of WIDE texels. */
+typedef struct texel_planes {
+    vf stored, slope_x, slope_y;
+} texel_planes;
+
+static inline ALWAYS_INLINE texel_planes texel_planes_of(const shb_map *map, bool gathers,
+                                                         const plane_batch *batch, size_t i,
+                                                         vi asked) {
+    const vu halves = read_slopes(map, gathers, batch, i, asked);
+    const float unit = length_unit(map);
+    return (texel_planes){vf_load(batch->stored + i), half_low(halves) * unit,
+                          half_high(halves) * unit};
+}
+
+/* How far these planes miss the occluders of the four texels next to theirs, but for the one that
+ * each misses least, and for rounding; infinite where no two of them hold an occluder. */
+static inline ALWAYS_INLINE vf second_miss(const shb_map *map, bool gathers,
+                                           const plane_batch *batch, size_t i,
+                                           const texel_planes *planes) {
+    static const int32_t to_x[4] = {-1, 1, 0, 0}, to_y[4] = {0, 0, -1, 1};
+    const bool reversed = map->info.view.reversed;
+    const float far_depth = shb_far_depth(reversed);
+    const float slope_error = (float)SHB_HALF_RELATIVE + 0x1p-20f;
+    const float step = 2 * (float)(SHB_HALF_ABSOLUTE * map->occluders.slope_unit) +
+                       shb_format_step(map->info.format);
+    vf least = vf_splat(INFINITY), second = least;
+    for (int k = 0; k < 4; k++) {
+        vi inside;
+        const vf texel = read_lanes(map, gathers, vi_load(batch->column + i) + to_x[k],
+                                    vi_load(batch->row + i) + to_y[k], &inside);
+        const vf z = reversed ? -texel : texel;
+        const vf rise = (float)to_x[k] * planes->slope_x + (float)to_y[k] * planes->slope_y;
+        const vf depths = vf_abs(planes->stored) + vf_abs(z);
+        const vf rounding =
+            slope_error * vf_abs(rise) + (8 * (float)SHB_FLOAT_ROUNDING * depths + step);
+        const vf off = vf_max(vf_abs(z - (planes->stored + rise)) - rounding, vf_splat(0.0f));
+        const vf miss = vf_where(inside & (z < far_depth), off, vf_splat(INFINITY));
+        second = vf_min(second, vf_max(least, miss));
+        least = vf_min(least, miss);
+    }
+    return second;
+}
+
+/* Lights those of WIDE fragments that seem to be shadowed by their own surface where that is finer
+ * than texels: facets of a relief that are turned alike, which two planes alone take for sheets one
+ * above the other. There the texel's plane misses its neighbours, and passes in front of the
+ * fragment by no more than twice that. What lies four texels in front, or is turned by more than
+ * half of a right angle, is another surface. */
+static inline ALWAYS_INLINE void light_fine_sheets(const shb_map *map, bool affine, bool gathers,
+                                                   const plane_batch *batch, size_t i,
+                                                   float *restrict visibility) {
+    const vf shown = vf_load(visibility + i), passed = vf_load(batch->passed + i);
+    vf texel = vf_splat(map->occluders.quick.diagonal);
+    if (!affine)
+        texel *= vf_load(batch->inverse_w + i);
+    vi asked = (shown == 0.0f) & (passed < 4 * texel);
+    if (!vi_any(asked))
+        return;
+    const texel_planes planes = texel_planes_of(map, gathers, batch, i, asked);
+    const vf steepness = vf_load(batch->steepness + i);
+    const vf turn = vf_abs(vf_load(batch->rise_x + i) - steepness * planes.slope_x) +
+                    vf_abs(vf_load(batch->rise_y + i) - steepness * planes.slope_y);
+    asked &= turn < steepness * texel;
+    if (!vi_any(asked))
+        return;
+    const vf second = second_miss(map, gathers, batch, i, &planes);
+    const vi are_lit = asked & (second < INFINITY) & (passed < 2 * second);
+    vf_store(visibility + i, vf_where(are_lit, vf_splat(1.0f), shown));
+}
+
 static inline ALWAYS_INLINE void ask_planes_as(const shb_map *map, bool affine, bool gathers,
                                                size_t lanes, const shb_quick_points *points,
                                                float *visibility) {
@@ -357,6 +429,8 @@ static inline ALWAYS_INLINE void ask_planes_as(const shb_map *map, bool affine, 
     }
     for (size_t n = 0; n < unsure_count; n += DOUBLES)
         test_planes(map, &arrays, &batch, unsure + n, unsure_count - n, visibility);
+    for (size_t n = 0; n < vector_count; n++)
+        light_fine_sheets(map, affine, gathers, &batch, vectors[n], visibility);
 }
 
 static void ask_planes(const shb_map *map, size_t count, const shb_quick_points *points,

@@ -1,5 +1,6 @@
 #include "slow_taps.h"
 
+#include "../../src/format.h"
 #include "../../src/half.h"
 #include "../../src/occluders.h"
 
@@ -91,6 +92,42 @@ bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment
     sample.slope_error_x = fabs(sample.slope_x) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
     sample.slope_error_y = fabs(sample.slope_y) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
     return plane.is_covered && is_shadowed(fragment, &sample);
+}
+
+/* How far a texel's plane misses the occluder of the one beside it, beyond rounding; infinite where
+ * there is none. */
+static double miss_beside(const shb_map *map, const sheet_plane *plane, int x, int y) {
+    if (!is_in_map(map, x, y))
+        return (double)INFINITY;
+    const sheet_plane beside = plane_of_texel(map, x, y);
+    const double rise =
+        plane->slope_x * (beside.x - plane->x) + plane->slope_y * (beside.y - plane->y);
+    const double rounding =
+        (0x1p-11 + 0x1p-20) * fabs(rise) + 0x1p-21 * (fabs(plane->z) + fabs(beside.z)) +
+        0x1p-24 * map->occluders.slope_unit + (double)shb_format_step(map->info.format);
+    const double miss = fmax(fabs(behind(plane, &beside)) - rounding, 0);
+    return beside.is_covered ? miss : (double)INFINITY;
+}
+
+bool slow_is_fine_sheet(const shb_map *map, const shb_exact_fragment *fragment, int x, int y) {
+    const shb_light_point *point = &fragment->point;
+    const shb_light_slopes *slopes = &fragment->slopes;
+    const sheet_plane plane = plane_of_texel(map, x, y);
+    const double misses[4] = {
+        miss_beside(map, &plane, x - 1, y), miss_beside(map, &plane, x + 1, y),
+        miss_beside(map, &plane, x, y - 1), miss_beside(map, &plane, x, y + 1)};
+    const double texel = map->projection.texel_scale * map->projection.depth_scale / point->w;
+    const double turn = fabs(slopes->x - plane.slope_x) + fabs(slopes->y - plane.slope_y);
+    const double passed =
+        point->z -
+        (plane.z - (plane.slope_x * (plane.x - point->x) + plane.slope_y * (plane.y - point->y)));
+    const bool has_plane = slopes->x != 0 || slopes->y != 0 || slopes->error_x > 0;
+    int missed = 0, known = 0;
+    for (int k = 0; k < 4; k++) {
+        missed += passed < 2 * misses[k];
+        known += misses[k] < (double)INFINITY;
+    }
+    return has_plane && passed < 4 * texel && turn < texel && missed >= 3 && known >= 2;
 }
 
 /* A texel, and those that are joined to it one after the other. */

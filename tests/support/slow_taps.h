@@ -9,6 +9,12 @@
  * shadow nothing. */
 bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y);
 
+/* The texel seems to hold the fragment's own surface, finer than texels, whatever its plane says of
+ * the fragment: it is turned against it by less than half of a right angle, passes in front of it
+ * by less than four texels, and misses three of the texels next to it, beyond what rounding is
+ * allowed, by more than half of that. */
+bool slow_is_fine_sheet(const shb_map *map, const shb_exact_fragment *fragment, int x, int y);
+
 /* Of the occluders' planes of two neighbouring texels of the map. */
 typedef enum slow_joint { SLOW_JOINT_APART, SLOW_JOINT_MEET, SLOW_JOINT_UNSURE } slow_joint;
 
