@@ -2,6 +2,9 @@
 
 #define W(name) SHB_JOIN(name, LANES)
 
+/* So many boxes are counted for one look at what they have in common. */
+#define BOX_LANES (LANES < 4 ? 4 : LANES)
+
 /* What a box's taps are made of. The taps of a reversed map are compared as it stores depth,
  * everything negated. */
 typedef struct W(box_taps) {
@@ -109,58 +112,88 @@ static inline ALWAYS_INLINE double W(weigh_box)(const box_batch *batch, size_t i
     return ((1 - bottom) * above + bottom * below) + inner;
 }
 
-/* LANES fragments from i on, whose boxes are at these places, column by column. The loop stays one:
- * unrolled it would want more registers than there are. */
+/* Shadowed taps of fragment i, whose box is at this place, column by column. */
+static inline ALWAYS_INLINE W(wi) W(count_at)(const box_batch *batch, size_t i, int32_t place,
+                                              int n, tap_kind kind, bool reversed) {
+    texel_box b = {.texels = (const char *)((const float *)batch->map->depth.texels + place),
+                   .stride = batch->map->depth.stride,
+                   .column = -(n / 2), /* constants where n is one */
+                   .row = -(n / 2)};
+    if (n % 2 == 0) {
+        b.column = batch->left[i] - batch->receivers->texel_x[i];
+        b.row = batch->top[i] - batch->receivers->texel_y[i];
+    }
+    return W(count_box)(batch, i, &b, n, kind, reversed);
+}
+
+static inline ALWAYS_INLINE W(wi_pair)
+    W(count_two)(const box_batch *batch, size_t i, const int32_t *places, int n, tap_kind kind,
+                 bool reversed) {
+    const W(wi) one = W(count_at)(batch, i, places[0], n, kind, reversed);
+    const W(wi) other = W(count_at)(batch, i + 1, places[1], n, kind, reversed);
+    return W(wi_pair_of)(one, other);
+}
+
+/* Shadowed taps of BOX_LANES fragments from i on, whose boxes are at these places. by_twos: two
+ * boxes side by side want no more registers than there are. Compilers put sums off to where they
+ * are used, so the loop over others stays one. */
 static inline ALWAYS_INLINE void W(count_group)(const box_batch *batch, size_t i,
-                                                const int32_t *places, int n, tap_kind kind,
-                                                bool reversed, W(wi) counts[LANES]) {
-    const float *texels = batch->map->depth.texels;
+                                                const int32_t *places, int n, bool by_twos,
+                                                tap_kind kind, bool reversed, int32_t *shadowed) {
 #pragma GCC unroll 1
-    for (size_t k = 0; k < LANES; k++) {
-        texel_box b = {.texels = (const char *)(texels + places[k]),
-                       .stride = batch->map->depth.stride,
-                       .column = -(n / 2), /* constants where n is one */
-                       .row = -(n / 2)};
-        if (n % 2 == 0) {
-            b.column = batch->left[i + k] - batch->receivers->texel_x[i + k];
-            b.row = batch->top[i + k] - batch->receivers->texel_y[i + k];
-        }
-        counts[k] = W(count_box)(batch, i + k, &b, n, kind, reversed);
+    for (size_t k = 0; k < BOX_LANES && by_twos; k += 4) {
+        const W(wi_pair) first = W(count_two)(batch, i + k, places + k, n, kind, reversed);
+        const W(wi_pair) last = W(count_two)(batch, i + k + 2, places + k + 2, n, kind, reversed);
+        W(wi_store_sums)(shadowed + k, first, last);
+    }
+    if (by_twos)
+        return;
+    W(wi) counts[BOX_LANES];
+#pragma GCC unroll 1
+    for (size_t k = 0; k < BOX_LANES; k++)
+        counts[k] = W(count_at)(batch, i + k, places[k], n, kind, reversed);
+    for (size_t k = 0; k < BOX_LANES; k += 4) {
+        const W(wi_pair) first = W(wi_pair_of)(counts[k], counts[k + 1]);
+        const W(wi_pair) last = W(wi_pair_of)(counts[k + 2], counts[k + 3]);
+        W(wi_store_sums)(shadowed + k, first, last);
     }
 }
 
-/* Shadowed taps of LANES fragments from i on. whole: the boxes of all of them are read in place. */
-static inline ALWAYS_INLINE W(wi)
-    W(count_lanes)(const box_run *run, size_t i, bool whole, int n, tap_kind kind, bool reversed) {
+/* Shadowed taps of BOX_LANES fragments from i on. whole: the boxes of all of them are read in
+ * place. */
+static inline ALWAYS_INLINE void W(count_lanes)(const box_run *run, size_t i, bool whole, int n,
+                                                bool by_twos, tap_kind kind, bool reversed,
+                                                int32_t *shadowed) {
     const box_batch *batch = run->batch;
     const int32_t *places = batch->place + i;
-    int32_t readable[LANES];
+    int32_t readable[BOX_LANES];
     if (!whole) {
-        if (!readable_places(run, i, LANES, readable))
-            return W(wi_splat)(0);
+        if (!readable_places(run, i, BOX_LANES, readable)) {
+            memset(shadowed, 0, BOX_LANES * sizeof *shadowed);
+            return;
+        }
         places = readable;
     }
-    W(wi) counts[LANES];
-    if (kind == TAPS_PLANE && !any_set(batch->limited + i, LANES))
-        W(count_group)(batch, i, places, n, TAPS_NEAR, reversed, counts);
+    if (kind == TAPS_PLANE && !any_set(batch->limited + i, BOX_LANES))
+        W(count_group)(batch, i, places, n, by_twos, TAPS_NEAR, reversed, shadowed);
     else
-        W(count_group)(batch, i, places, n, kind, reversed, counts);
-    return W(wi_sums)(counts);
+        W(count_group)(batch, i, places, n, by_twos, kind, reversed, shadowed);
 }
 
 /* Boxes that lie in the map, whose texels are floats; what others get means nothing. */
-static inline ALWAYS_INLINE void W(count_in_place)(const box_run *run, int n, tap_kind kind,
-                                                   bool reversed, float *restrict visibility) {
+static inline ALWAYS_INLINE void W(count_in_place)(const box_run *run, int n, bool by_twos,
+                                                   tap_kind kind, bool reversed,
+                                                   float *restrict visibility) {
     const box_batch *batch = run->batch;
     const bool whole = batch->same_size && batch->all_inside;
     const int width = (n + LANES - 1) / LANES * LANES;
     const double share = 1 / (double)(n * n);
     SHB_ALIGN int32_t shadowed[SHB_BATCH];
-    for (size_t i = 0; i < PREFETCHED_BOXES; i += LANES)
-        prefetch_boxes(run, run->first + i, LANES, width);
-    for (size_t i = run->first; i < run->end; i += LANES) {
-        prefetch_boxes(run, i + PREFETCHED_BOXES, LANES, width);
-        W(wi_store)(shadowed + i, W(count_lanes)(run, i, whole, n, kind, reversed));
+    for (size_t i = 0; i < PREFETCHED_BOXES; i += BOX_LANES)
+        prefetch_boxes(run, run->first + i, BOX_LANES, width);
+    for (size_t i = run->first; i < run->end; i += BOX_LANES) {
+        prefetch_boxes(run, i + PREFETCHED_BOXES, BOX_LANES, width);
+        W(count_lanes)(run, i, whole, n, by_twos, kind, reversed, shadowed + i);
     }
     for (size_t i = run->first; i < run->end; i++) {
         const float lit = (float)(share * (n * n - shadowed[i]));
@@ -168,4 +201,5 @@ static inline ALWAYS_INLINE void W(count_in_place)(const box_run *run, int n, ta
     }
 }
 
+#undef BOX_LANES
 #undef W

@@ -212,16 +212,17 @@ static inline ALWAYS_INLINE void prefetch_boxes(const box_run *run, size_t first
 
 typedef void count_fn(const box_run *run, float *visibility);
 
-/* A function for boxes of n x n texels, by the kind of taps and the direction of depth. */
-#define IN_PLACE(name, width, n, kind, reversed)                                                   \
+/* A function for boxes of n x n texels, by the kind of taps and the direction of depth. by_twos: a
+ * row is one vector, and there are few. */
+#define IN_PLACE(name, width, n, by_twos, kind, reversed)                                          \
     static NEVER_INLINE void name(const box_run *run, float *visibility) {                         \
-        width(count_in_place)(run, n, kind, reversed, visibility);                                 \
+        width(count_in_place)(run, n, by_twos, kind, reversed, visibility);                        \
     }
-#define IN_PLACE_KINDS(width, n)                                                                   \
-    IN_PLACE(count_flat_##n, width, n, TAPS_FLAT, false)                                           \
-    IN_PLACE(count_flat_reversed_##n, width, n, TAPS_FLAT, true)                                   \
-    IN_PLACE(count_plane_##n, width, n, TAPS_PLANE, false)                                         \
-    IN_PLACE(count_plane_reversed_##n, width, n, TAPS_PLANE, true)
+#define IN_PLACE_KINDS(width, n, by_twos)                                                          \
+    IN_PLACE(count_flat_##n, width, n, by_twos, TAPS_FLAT, false)                                  \
+    IN_PLACE(count_flat_reversed_##n, width, n, by_twos, TAPS_FLAT, true)                          \
+    IN_PLACE(count_plane_##n, width, n, by_twos, TAPS_PLANE, false)                                \
+    IN_PLACE(count_plane_reversed_##n, width, n, by_twos, TAPS_PLANE, true)
 #define IN_PLACE_ROW(n)                                                                            \
     {                                                                                              \
         {count_flat_##n, count_flat_reversed_##n}, {                                               \
@@ -230,16 +231,16 @@ typedef void count_fn(const box_run *run, float *visibility);
     }
 
 /* The sizes that most hosts use, and any other. */
-IN_PLACE_KINDS(NARROWLY, 3)
-IN_PLACE_KINDS(NARROWLY, 5)
-IN_PLACE_KINDS(NARROWLY, 7)
-IN_PLACE_KINDS(WIDELY, 9)
-IN_PLACE_KINDS(WIDELY, 11)
+IN_PLACE_KINDS(NARROWLY, 3, NARROW >= 3)
+IN_PLACE_KINDS(NARROWLY, 5, NARROW >= 5)
+IN_PLACE_KINDS(NARROWLY, 7, NARROW >= 7)
+IN_PLACE_KINDS(WIDELY, 9, false)
+IN_PLACE_KINDS(WIDELY, 11, false)
 #define ANY_SIZE run->n
-IN_PLACE(count_flat_any, WIDELY, ANY_SIZE, TAPS_FLAT, false)
-IN_PLACE(count_flat_reversed_any, WIDELY, ANY_SIZE, TAPS_FLAT, true)
-IN_PLACE(count_plane_any, WIDELY, ANY_SIZE, TAPS_PLANE, false)
-IN_PLACE(count_plane_reversed_any, WIDELY, ANY_SIZE, TAPS_PLANE, true)
+IN_PLACE(count_flat_any, WIDELY, ANY_SIZE, false, TAPS_FLAT, false)
+IN_PLACE(count_flat_reversed_any, WIDELY, ANY_SIZE, false, TAPS_FLAT, true)
+IN_PLACE(count_plane_any, WIDELY, ANY_SIZE, false, TAPS_PLANE, false)
+IN_PLACE(count_plane_reversed_any, WIDELY, ANY_SIZE, false, TAPS_PLANE, true)
 
 static void count_run(const box_run *run, float *visibility) {
     static count_fn *const odd_sizes[5][2][2] = {IN_PLACE_ROW(3), IN_PLACE_ROW(5), IN_PLACE_ROW(7),

@@ -23,8 +23,10 @@
  *   wi_count_less(count, a, b)
  *                         count + 1 where a < b
  *   wi_sum(v)             of all lanes
- *   wi_sums(v)            wi_sum(v[0]), wi_sum(v[1]), ...: of as many vectors as lanes, whose lanes
- *                         are 0 to 2^13
+ *   wi_pair               parts of the sums of two vectors
+ *   wi_pair_of(a, b)      of vectors whose lanes are 0 to 2^13
+ *   wi_store_sums(to, a, b)
+ *                         wi_sum of the first and the second of a, then of b
  *
  * and these, whose names do not end in a number:
  *

@@ -4,6 +4,7 @@
 
 typedef __m256 wf8;
 typedef __m256i wi8;
+typedef wi8 wi_pair8;
 
 static inline wf8 wf_splat8(float v) {
     return _mm256_set1_ps(v);
@@ -69,15 +70,13 @@ static inline int32_t wi_sum8(wi8 v) {
     const __m128i one = _mm_add_epi32(pair, _mm_shuffle_epi32(pair, _MM_SHUFFLE(2, 3, 0, 1)));
     return _mm_cvtsi128_si32(one);
 }
-static inline wi8 wi_sums8(const wi8 v[8]) {
-    const __m256i one = _mm256_set1_epi16(1);
-    __m256i pairs[4], parts[2];
-    for (int i = 0; i < 4; i++)
-        pairs[i] = _mm256_madd_epi16(_mm256_packs_epi32(v[2 * i], v[2 * i + 1]), one);
-    for (int i = 0; i < 2; i++)
-        parts[i] = _mm256_madd_epi16(_mm256_packs_epi32(pairs[2 * i], pairs[2 * i + 1]), one);
-    return _mm256_add_epi32(_mm256_permute2x128_si256(parts[0], parts[1], 0x20),
-                            _mm256_permute2x128_si256(parts[0], parts[1], 0x31));
+static inline wi_pair8 wi_pair_of8(wi8 a, wi8 b) {
+    return _mm256_madd_epi16(_mm256_packs_epi32(a, b), _mm256_set1_epi16(1));
+}
+static inline void wi_store_sums8(void *p, wi_pair8 a, wi_pair8 b) {
+    const __m256i halves = wi_pair_of8(a, b);
+    const __m128i low = _mm256_castsi256_si128(halves), high = _mm256_extracti128_si256(halves, 1);
+    _mm_storeu_si128((__m128i *)p, _mm_add_epi32(low, high));
 }
 static inline wf8 wf_plane8(double base, double step, double column, double lo, double hi) {
     const __m256d s = _mm256_set1_pd(step), b = _mm256_set1_pd(base), c = _mm256_set1_pd(column);

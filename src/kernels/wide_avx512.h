@@ -4,6 +4,7 @@
 
 typedef __m512 wf16;
 typedef __m512i wi16;
+typedef wi16 wi_pair16;
 
 static inline wf16 wf_splat16(float v) {
     return _mm512_set1_ps(v);
@@ -70,19 +71,15 @@ static inline wi16 wi_count_less16(wi16 count, wf16 a, wf16 b) {
 static inline int32_t wi_sum16(wi16 v) {
     return wi_sum8(_mm256_add_epi32(_mm512_castsi512_si256(v), _mm512_extracti32x8_epi32(v, 1)));
 }
-static inline wi16 wi_sums16(const wi16 v[16]) {
-    const __m512i one = _mm512_set1_epi16(1);
-    __m512i pairs[8], parts[4];
-    for (int i = 0; i < 8; i++)
-        pairs[i] = _mm512_madd_epi16(_mm512_packs_epi32(v[2 * i], v[2 * i + 1]), one);
-    for (int i = 0; i < 4; i++)
-        parts[i] = _mm512_madd_epi16(_mm512_packs_epi32(pairs[2 * i], pairs[2 * i + 1]), one);
-    const __m512i low = _mm512_add_epi32(_mm512_shuffle_i32x4(parts[0], parts[1], 0x44),
-                                         _mm512_shuffle_i32x4(parts[0], parts[1], 0xee));
-    const __m512i high = _mm512_add_epi32(_mm512_shuffle_i32x4(parts[2], parts[3], 0x44),
-                                          _mm512_shuffle_i32x4(parts[2], parts[3], 0xee));
-    return _mm512_add_epi32(_mm512_shuffle_i32x4(low, high, 0x88),
-                            _mm512_shuffle_i32x4(low, high, 0xdd));
+static inline wi_pair16 wi_pair_of16(wi16 a, wi16 b) {
+    return _mm512_madd_epi16(_mm512_packs_epi32(a, b), _mm512_set1_epi16(1));
+}
+static inline void wi_store_sums16(void *p, wi_pair16 a, wi_pair16 b) {
+    const __m512i quarters = wi_pair_of16(a, b);
+    const __m256i halves =
+        _mm256_add_epi32(_mm512_castsi512_si256(quarters), _mm512_extracti64x4_epi64(quarters, 1));
+    const __m128i low = _mm256_castsi256_si128(halves), high = _mm256_extracti128_si256(halves, 1);
+    _mm_storeu_si128((__m128i *)p, _mm_add_epi32(low, high));
 }
 static inline wf16 wf_plane16(double base, double step, double column, double lo, double hi) {
     const __m512d s = _mm512_set1_pd(step), b = _mm512_set1_pd(base), c = _mm512_set1_pd(column);

@@ -4,6 +4,7 @@
 
 typedef float32x4_t wf4;
 typedef int32x4_t wi4;
+typedef wi4 wi_pair4;
 
 static inline wf4 wf_splat4(float v) {
     return vdupq_n_f32(v);
@@ -68,8 +69,11 @@ static inline int32_t wi_sum4(wi4 v) {
     return vaddvq_s32(v);
 }
 
-static inline wi4 wi_sums4(const wi4 v[4]) {
-    return vpaddq_s32(vpaddq_s32(v[0], v[1]), vpaddq_s32(v[2], v[3]));
+static inline wi_pair4 wi_pair_of4(wi4 a, wi4 b) {
+    return vpaddq_s32(a, b);
+}
+static inline void wi_store_sums4(void *p, wi_pair4 a, wi_pair4 b) {
+    wi_store4(p, vpaddq_s32(a, b));
 }
 
 /* a > b ? a : b, and a < b ? a : b: the instructions for these treat signed zeros differently. */

@@ -4,6 +4,9 @@
 
 typedef float wf1;
 typedef int32_t wi1;
+typedef struct wi_pair1 {
+    wi1 first, second;
+} wi_pair1;
 
 static inline wf1 wf_splat1(float v) {
     return v;
@@ -38,8 +41,12 @@ static inline wi1 wi_count_less1(wi1 count, wf1 a, wf1 b) {
 static inline int32_t wi_sum1(wi1 v) {
     return v;
 }
-static inline wi1 wi_sums1(const wi1 v[1]) {
-    return v[0];
+static inline wi_pair1 wi_pair_of1(wi1 a, wi1 b) {
+    return (wi_pair1){a, b};
+}
+static inline void wi_store_sums1(void *p, wi_pair1 a, wi_pair1 b) {
+    const wi1 sums[4] = {a.first, a.second, b.first, b.second};
+    memcpy(p, sums, sizeof sums);
 }
 
 #endif

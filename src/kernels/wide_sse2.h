@@ -4,6 +4,7 @@
 
 typedef __m128 wf4;
 typedef __m128i wi4;
+typedef wi4 wi_pair4;
 
 static inline wf4 wf_splat4(float v) {
     return _mm_set1_ps(v);
@@ -70,11 +71,11 @@ static inline int32_t wi_sum4(wi4 v) {
     const __m128i one = _mm_add_epi32(pair, _mm_shuffle_epi32(pair, _MM_SHUFFLE(2, 3, 0, 1)));
     return _mm_cvtsi128_si32(one);
 }
-static inline wi4 wi_sums4(const wi4 v[4]) {
-    const __m128i one = _mm_set1_epi16(1);
-    const __m128i first = _mm_madd_epi16(_mm_packs_epi32(v[0], v[1]), one);
-    const __m128i second = _mm_madd_epi16(_mm_packs_epi32(v[2], v[3]), one);
-    return _mm_madd_epi16(_mm_packs_epi32(first, second), one);
+static inline wi_pair4 wi_pair_of4(wi4 a, wi4 b) {
+    return _mm_madd_epi16(_mm_packs_epi32(a, b), _mm_set1_epi16(1));
+}
+static inline void wi_store_sums4(void *p, wi_pair4 a, wi_pair4 b) {
+    _mm_storeu_si128((__m128i *)p, wi_pair_of4(a, b));
 }
 static inline wf4 wf_plane4(double base, double step, double column, double lo, double hi) {
     const __m128d s = _mm_set1_pd(step), b = _mm_set1_pd(base), c = _mm_set1_pd(column);
