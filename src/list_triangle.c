@@ -78,7 +78,7 @@ static bool texels_of(range r, double size, uint16_t *first, uint16_t *last) {
 }
 
 /* A corner in the plane of the light may be seen anywhere. */
-static shb_list_box box_of(const shb_list_frame *frame, const part *seen) {
+static shb_list_box box_of(const shb_list_frame *frame, const part *seen, uint16_t *level) {
     const double *e = frame->errors;
     range x = {HUGE_VAL, -HUGE_VAL}, y = x, z = x;
     for (int k = 0; k < seen->count; k++) {
@@ -102,9 +102,8 @@ static shb_list_box box_of(const shb_list_frame *frame, const part *seen) {
     if (!texels_of(x, frame->width, &box.first_column, &box.last_column) ||
         !texels_of(y, frame->height, &box.first_row, &box.last_row))
         return SHB_LIST_BOX_NONE;
-    const double level = (z.lo - frame->level_origin) * frame->levels;
-    box.level =
-        (uint16_t)(level > 0 ? (level < SHB_LIST_LEVELS - 1 ? level : SHB_LIST_LEVELS - 1) : 0);
+    const double at = (z.lo - frame->level_origin) * frame->levels;
+    *level = (uint16_t)(at > 0 ? (at < SHB_LIST_LEVELS - 1 ? at : SHB_LIST_LEVELS - 1) : 0);
     return box;
 }
 
@@ -217,12 +216,13 @@ static double prepare_plane(const shb_list_frame *frame, const local *l, const h
     return of_plane + of_point + 16 * ROUNDING * evaluation;
 }
 
-void shb_list_triangle_cut(const shb_list_frame *frame, const double corners[3][3],
-                           shb_list_triangle *triangle, shb_list_box *box) {
+uint16_t shb_list_triangle_cut(const shb_list_frame *frame, const double corners[3][3],
+                               shb_list_triangle *triangle, shb_list_box *box) {
     const part seen = cut_near(frame, corners);
-    *box = seen.count ? box_of(frame, &seen) : SHB_LIST_BOX_NONE;
+    uint16_t level = 0;
+    *box = seen.count ? box_of(frame, &seen, &level) : SHB_LIST_BOX_NONE;
     if (shb_list_box_is_none(box))
-        return;
+        return level;
     *triangle = (shb_list_triangle){
         .rest = HUGE_VALF, .margin = HUGE_VALF, .bound = HUGE_VALF, .clear = HUGE_VALF};
     local l;
@@ -230,11 +230,12 @@ void shb_list_triangle_cut(const shb_list_frame *frame, const double corners[3][
     localise(frame, corners, box, &l);
     const homogeneous p = plane_of(&l);
     if (!(l.least_w > 2 * frame->errors[3] && fabs(p.z.value) > 2 * p.z.error))
-        return;
+        return level;
     double plane[3];
     const double bound = prepare_plane(frame, &l, &p, plane) * (1 + 0x1p-22);
     if (!(bound < (double)HUGE_VALF))
-        return;
+        return level;
     triangle->bound = (float)bound;
     memcpy(triangle->plane, plane, sizeof plane);
+    return level;
 }

@@ -30,20 +30,20 @@ static inline double shb_list_behind(const shb_list_triangle *t, double x, doubl
 }
 
 /* Where the light sees a triangle: an outward bound. Texels, both ends included; none if the last
- * row is before the first. level: of its nearest depth. */
+ * row is before the first, which is the last of all then. */
 typedef struct shb_list_box {
-    uint16_t first_column, first_row, last_column, last_row, level;
+    uint16_t first_column, first_row, last_column, last_row;
 } shb_list_box;
 
-static const shb_list_box SHB_LIST_BOX_NONE = {.first_row = 1};
+static const shb_list_box SHB_LIST_BOX_NONE = {.first_row = UINT16_MAX};
 
 static inline bool shb_list_box_is_none(const shb_list_box *box) {
     return box->last_row < box->first_row;
 }
 
 /* Prepares a triangle that has a corner in front of the near plane, or one that cannot be
- * projected. */
-void shb_list_triangle_cut(const shb_list_frame *frame, const double corners[3][3],
-                           shb_list_triangle *triangle, shb_list_box *box);
+ * projected. Returns the level of its nearest depth. */
+uint16_t shb_list_triangle_cut(const shb_list_frame *frame, const double corners[3][3],
+                               shb_list_triangle *triangle, shb_list_box *box);
 
 #endif

@@ -15,38 +15,46 @@ static void part_of(const bin_job *job, size_t part, uint32_t *begin, uint32_t *
     *end = (uint32_t)(count * (part + 1) / SHB_LIST_PARTS);
 }
 
-/* Counts a triangle in its tiles, or writes its number where those counts have made room. */
-static void bin_triangle(const bin_job *job, uint32_t id, size_t part, uint32_t *numbers) {
-    const shb_list_box *box = &job->bins->boxes[id];
-    if (shb_list_box_is_none(box))
-        return;
+static inline void put(const shb_list_bins *bins, size_t *end, uint64_t key, bool writes) {
+    if (writes)
+        bins->keys[*end] = key;
+    ++*end;
+}
+
+/* Counts the triangles of a part in their tiles, or writes their keys where those counts have made
+ * room. Nearly all lie in one tile. */
+static inline void bin_part(const bin_job *job, size_t part, bool writes) {
     const size_t columns = job->loading->lists->tile_columns;
-    const size_t last_row = box->last_row / SHB_LIST_TILE;
-    const size_t last_column = box->last_column / SHB_LIST_TILE;
-    for (size_t row = box->first_row / SHB_LIST_TILE; row <= last_row; row++)
-        for (size_t column = box->first_column / SHB_LIST_TILE; column <= last_column; column++) {
-            size_t *place = &job->bins->ends[(row * columns + column) * SHB_LIST_PARTS + part];
-            if (numbers)
-                numbers[*place] = id;
-            ++*place;
+    const shb_list_bins *bins = job->bins;
+    size_t *ends = bins->ends + part * bins->tiles;
+    uint32_t id, end;
+    part_of(job, part, &id, &end);
+    for (; id < end; id++) {
+        const shb_list_box *box = &bins->shapes.boxes[id];
+        const uint64_t key = writes ? (uint64_t)bins->shapes.levels[id] << 32 | id : 0;
+        const int rows = box->first_row ^ box->last_row;
+        const int across = box->first_column ^ box->last_column;
+        size_t row = box->first_row / SHB_LIST_TILE, column = box->first_column / SHB_LIST_TILE;
+        if ((rows | across) < SHB_LIST_TILE) {
+            put(bins, &ends[row * columns + column], key, writes);
+            continue;
         }
+        for (; row <= box->last_row / SHB_LIST_TILE; row++)
+            for (size_t i = column; i <= box->last_column / SHB_LIST_TILE; i++)
+                put(bins, &ends[row * columns + i], key, writes);
+    }
 }
 
 static void load_and_count(void *arg, size_t part) {
     const bin_job *job = arg;
     uint32_t begin, end;
     part_of(job, part, &begin, &end);
-    shb_list_load_triangles(job->loading, begin, end, job->bins->boxes, job->bins->outlines);
-    for (uint32_t id = begin; id < end; id++)
-        bin_triangle(job, id, part, NULL);
+    shb_list_load_triangles(job->loading, begin, end, &job->bins->shapes);
+    bin_part(job, part, false);
 }
 
-static void write_numbers(void *arg, size_t part) {
-    const bin_job *job = arg;
-    uint32_t begin, end;
-    part_of(job, part, &begin, &end);
-    for (uint32_t id = begin; id < end; id++)
-        bin_triangle(job, id, part, job->bins->numbers);
+static void write_keys(void *arg, size_t part) {
+    bin_part(arg, part, true);
 }
 
 /* Counts to the places where each begins; returns the total. */
@@ -56,7 +64,7 @@ static size_t sum_up(shb_list_bins *bins) {
     for (size_t tile = 0; tile < bins->tiles; tile++) {
         const size_t first = sum;
         for (size_t part = 0; part < SHB_LIST_PARTS; part++) {
-            size_t *count = &bins->ends[tile * SHB_LIST_PARTS + part];
+            size_t *count = &bins->ends[part * bins->tiles + tile];
             const size_t here = *count;
             *count = sum;
             sum += here;
@@ -71,23 +79,27 @@ bool shb_list_bins_fill(const shb_list_loading *loading, shb_list_bins *bins) {
     shb_buffer *scratch = lists->context->list_scratch;
     bins->tiles = (size_t)lists->tile_columns * lists->tile_rows;
     const size_t places = bins->tiles * SHB_LIST_PARTS;
-    if (!shb_buffer_reserve(lists->context, &scratch[SHB_LIST_BOXES], lists->id_count,
-                            sizeof *bins->boxes) ||
+    shb_list_shapes *shapes = &bins->shapes;
+    /* Vectors read a box more than there are. */
+    if (!shb_buffer_reserve(lists->context, &scratch[SHB_LIST_BOXES], (size_t)lists->id_count + 1,
+                            sizeof *shapes->boxes) ||
+        !shb_buffer_reserve(lists->context, &scratch[SHB_LIST_TRIANGLE_LEVELS], lists->id_count,
+                            sizeof *shapes->levels) ||
         (loading->names && !shb_buffer_reserve(lists->context, &scratch[SHB_LIST_OUTLINES],
-                                               lists->id_count, sizeof *bins->outlines)) ||
+                                               lists->id_count, sizeof *shapes->outlines)) ||
         !shb_buffer_reserve(lists->context, &scratch[SHB_LIST_ENDS], places, sizeof *bins->ends))
         return false;
-    bins->boxes = scratch[SHB_LIST_BOXES].data;
-    bins->outlines = loading->names ? scratch[SHB_LIST_OUTLINES].data : NULL;
+    shapes->boxes = scratch[SHB_LIST_BOXES].data;
+    shapes->levels = scratch[SHB_LIST_TRIANGLE_LEVELS].data;
+    shapes->outlines = loading->names ? scratch[SHB_LIST_OUTLINES].data : NULL;
     bins->ends = scratch[SHB_LIST_ENDS].data;
     memset(bins->ends, 0, places * sizeof *bins->ends);
     bin_job job = {loading, bins};
     shb_parallel_for(lists->context, load_and_count, &job, SHB_LIST_PARTS);
     const size_t total = sum_up(bins);
-    if (!shb_buffer_reserve(lists->context, &scratch[SHB_LIST_NUMBERS], total,
-                            sizeof *bins->numbers))
+    if (!shb_buffer_reserve(lists->context, &scratch[SHB_LIST_KEYS], total, sizeof *bins->keys))
         return false;
-    bins->numbers = scratch[SHB_LIST_NUMBERS].data;
-    shb_parallel_for(lists->context, write_numbers, &job, SHB_LIST_PARTS);
+    bins->keys = scratch[SHB_LIST_KEYS].data;
+    shb_parallel_for(lists->context, write_keys, &job, SHB_LIST_PARTS);
     return true;
 }

@@ -1,4 +1,4 @@
-/* Triangles into the tiles of lists, in two passes: their numbers are counted, then written. */
+/* Triangles into the tiles of lists, in two passes: they are counted, then their keys written. */
 #ifndef SRC_LISTS_BIN_H
 #define SRC_LISTS_BIN_H
 
@@ -9,22 +9,22 @@
 
 typedef struct shb_list_bins {
     size_t tiles;
-    shb_list_box *boxes;        /* by id */
-    shb_list_outline *outlines; /* NULL: none are wanted */
-    size_t *ends;               /* of tile * SHB_LIST_PARTS + part, in numbers */
-    uint32_t *numbers;          /* ids by tile, in each tile ascending */
-    size_t largest;             /* tile */
+    shb_list_shapes shapes;
+    size_t *ends;   /* of part * tiles + tile, in keys */
+    uint64_t *keys; /* by tile: levels above ids, which ascend in each tile */
+    size_t largest; /* tile */
 } shb_list_bins;
 
 /* Loads all triangles and sorts them by tile. Everything but the lists' own lies in the context's
  * scratch; false: out of memory. */
 bool shb_list_bins_fill(const shb_list_loading *loading, shb_list_bins *bins);
 
-/* A tile's triangles. */
-static inline const uint32_t *shb_list_bin(const shb_list_bins *bins, size_t tile, size_t *count) {
-    const size_t begin = tile ? bins->ends[tile * SHB_LIST_PARTS - 1] : 0;
-    *count = bins->ends[(tile + 1) * SHB_LIST_PARTS - 1] - begin;
-    return bins->numbers + begin;
+/* A tile's keys. */
+static inline uint64_t *shb_list_bin(const shb_list_bins *bins, size_t tile, size_t *count) {
+    const size_t *ends = bins->ends + (SHB_LIST_PARTS - 1) * bins->tiles;
+    const size_t begin = tile ? ends[tile - 1] : 0;
+    *count = ends[tile] - begin;
+    return bins->keys + begin;
 }
 
 #endif

@@ -112,50 +112,52 @@ static shb_list_outline outline_of_box(const shb_list_box *box) {
 
 /* One that is not finite has no box; the plane of others is found by itself. */
 static void prepare_alone(const shb_lists *lists, const shb_list_vertex *vertices, uint32_t id,
-                          shb_list_box *box, shb_list_outline *outline) {
+                          const shb_list_shapes *shapes) {
     const uint32_t *corners = lists->corners[id];
+    shb_list_box *box = &shapes->boxes[id];
     *box = SHB_LIST_BOX_NONE;
     for (int k = 0; k < 3; k++)
         if (isnan(vertices[corners[k]].inverse_w))
             return;
     const shb_triangle triangle = shb_lists_triangle(lists, id);
-    shb_list_triangle_cut(&lists->frame, triangle.corners, &lists->triangles[id], box);
-    if (outline)
-        *outline = outline_of_box(box);
+    shapes->levels[id] =
+        shb_list_triangle_cut(&lists->frame, triangle.corners, &lists->triangles[id], box);
+    if (shapes->outlines)
+        shapes->outlines[id] = outline_of_box(box);
 }
 
 /* Prepares count triangles from id on whose corners are written. */
 static void prepare_lanes(const shb_list_loading *loading, uint32_t id, uint32_t count,
-                          shb_list_box *boxes, shb_list_outline *outlines) {
+                          const shb_list_shapes *shapes) {
     const shb_lists *lists = loading->lists;
     const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
     const uint32_t *corners[SHB_LIST_LANES];
     shb_list_triangle made[SHB_LIST_LANES];
-    shb_list_box made_boxes[SHB_LIST_LANES];
-    shb_list_outline made_outlines[SHB_LIST_LANES];
+    shb_list_box boxes[SHB_LIST_LANES];
+    uint16_t levels[SHB_LIST_LANES];
+    shb_list_outline outlines[SHB_LIST_LANES];
     const bool whole = count == SHB_LIST_LANES;
     for (uint32_t lane = 0; lane < SHB_LIST_LANES; lane++)
         corners[lane] = lists->corners[id + (lane < count ? lane : count - 1)];
     uint32_t alone =
         kernels->prepare(&lists->frame, loading->vertices, loading->names, corners,
-                         whole ? lists->triangles + id : made, whole ? boxes + id : made_boxes,
-                         whole && outlines ? outlines + id : made_outlines);
+                         whole ? lists->triangles + id : made, whole ? shapes->boxes + id : boxes,
+                         whole ? shapes->levels + id : levels,
+                         whole && shapes->outlines ? shapes->outlines + id : outlines);
     if (!whole) {
         memcpy(lists->triangles + id, made, count * sizeof *made);
-        memcpy(boxes + id, made_boxes, count * sizeof *made_boxes);
-        if (outlines)
-            memcpy(outlines + id, made_outlines, count * sizeof *made_outlines);
+        memcpy(shapes->boxes + id, boxes, count * sizeof *boxes);
+        memcpy(shapes->levels + id, levels, count * sizeof *levels);
+        if (shapes->outlines)
+            memcpy(shapes->outlines + id, outlines, count * sizeof *outlines);
         alone &= (1u << count) - 1;
     }
-    for (; alone; alone &= alone - 1) {
-        const uint32_t other = id + (uint32_t)__builtin_ctz(alone);
-        prepare_alone(lists, loading->vertices, other, &boxes[other],
-                      outlines ? &outlines[other] : NULL);
-    }
+    for (; alone; alone &= alone - 1)
+        prepare_alone(lists, loading->vertices, id + (uint32_t)__builtin_ctz(alone), shapes);
 }
 
 void shb_list_load_triangles(const shb_list_loading *loading, uint32_t begin, uint32_t end,
-                             shb_list_box *boxes, shb_list_outline *outlines) {
+                             const shb_list_shapes *shapes) {
     const shb_scene *scene = loading->scene;
     uint32_t id = begin, first = 0;
     size_t number = 0, first_vertex = 0;
@@ -172,6 +174,5 @@ void shb_list_load_triangles(const shb_list_loading *loading, uint32_t begin, ui
         first_vertex += vertices_of(mesh);
     }
     for (id = begin; id < end; id += SHB_LIST_LANES)
-        prepare_lanes(loading, id, end - id < SHB_LIST_LANES ? end - id : SHB_LIST_LANES, boxes,
-                      outlines);
+        prepare_lanes(loading, id, end - id < SHB_LIST_LANES ? end - id : SHB_LIST_LANES, shapes);
 }

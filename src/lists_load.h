@@ -23,9 +23,15 @@ size_t shb_list_vertex_runs(size_t vertex_count);
 /* Vertices to the world and to the light; fits the frame to them. */
 void shb_list_load_vertices(const shb_list_loading *loading);
 
-/* Writes corners, triangles, boxes and, unless they are NULL, outlines of the ids from begin to
- * end. */
+/* What is known of triangles while lists are built, by id. */
+typedef struct shb_list_shapes {
+    shb_list_box *boxes;
+    uint16_t *levels;           /* of their nearest depths */
+    shb_list_outline *outlines; /* NULL: none are wanted */
+} shb_list_shapes;
+
+/* Writes corners, triangles and shapes of the ids from begin to end. */
 void shb_list_load_triangles(const shb_list_loading *loading, uint32_t begin, uint32_t end,
-                             shb_list_box *boxes, shb_list_outline *outlines);
+                             const shb_list_shapes *shapes);
 
 #endif

@@ -17,11 +17,12 @@ enum {
     SHB_LIST_NAMES,
     SHB_LIST_EXTENTS,
     SHB_LIST_BOXES,
+    SHB_LIST_TRIANGLE_LEVELS,
     SHB_LIST_OUTLINES,
     SHB_LIST_ENDS,
-    SHB_LIST_NUMBERS,
-    SHB_LIST_COVERS, /* a tile for each lane */
     SHB_LIST_KEYS,
+    SHB_LIST_COVERS,   /* a tile for each lane */
+    SHB_LIST_SPARE,    /* keys while a tile's are sorted */
     SHB_LIST_UNSORTED, /* entries before they are sorted by cell */
     SHB_LIST_BUFFERS
 };

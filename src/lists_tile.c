@@ -21,7 +21,7 @@ typedef struct tile_job {
     const shb_list_bins *bins;
     size_t room;
     shb_list_cover *covers; /* of each lane */
-    uint64_t *keys;         /* twice the largest tile for each lane */
+    uint64_t *spare;        /* the largest tile's keys for each lane */
     atomic_size_t next_tile, next_entry;
 } tile_job;
 
@@ -53,15 +53,6 @@ size_t shb_list_tiles_divide(shb_lists *lists, const shb_list_bins *bins) {
     return cells;
 }
 
-/* The tile's triangles by level, those of equal level by id. */
-static void sort_triangles(const tile_job *job, size_t tile, uint64_t *keys) {
-    size_t count;
-    const uint32_t *numbers = shb_list_bin(job->bins, tile, &count);
-    for (size_t i = 0; i < count; i++)
-        keys[i] = (uint64_t)job->bins->boxes[numbers[i]].level << 32 | numbers[i];
-    shb_sort_by_level(count, keys, keys + job->bins->largest);
-}
-
 /* Writes the bounds of a tile's texels; of those of a tile without triangles nothing is known. */
 static void write_bounds(const shb_lists *lists, const shb_list_tile *tile,
                          const shb_list_cover *cover) {
@@ -79,12 +70,12 @@ static void write_bounds(const shb_lists *lists, const shb_list_tile *tile,
 }
 
 /* Makes cells and entries of a tile that has triangles. */
-static void cover_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *keys) {
+static void cover_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *spare) {
     shb_lists *lists = job->lists;
     shb_list_tile *tile = &lists->tiles[number];
     const shb_list_kernels *kernels = shb_list_kernels_of(lists->context->isa);
-    sort_triangles(job, number, keys);
-    shb_list_bin(job->bins, number, &cover->count);
+    uint64_t *keys = shb_list_bin(job->bins, number, &cover->count);
+    shb_sort_by_level(cover->count, keys, spare);
     cover->keys = keys;
     cover->cells = lists->cells + tile->first_cell;
     for (cover->cell_bits = tile->cell_bits; !kernels->cover(cover);)
@@ -96,12 +87,12 @@ static void cover_tile(tile_job *job, size_t number, shb_list_cover *cover, uint
         memcpy(lists->entries + tile->first_entry, cover->entries, count * sizeof *cover->entries);
 }
 
-static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *keys) {
+static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint64_t *spare) {
     const shb_lists *lists = job->lists;
     cover->column = (uint32_t)(number % lists->tile_columns) * SHB_LIST_TILE;
     cover->row = (uint32_t)(number / lists->tile_columns) * SHB_LIST_TILE;
     if (lists->tiles[number].cell_bits >= 0)
-        cover_tile(job, number, cover, keys);
+        cover_tile(job, number, cover, spare);
     if (cover->with_sheets)
         write_bounds(lists, &lists->tiles[number], cover);
 }
@@ -109,7 +100,7 @@ static void fill_tile(tile_job *job, size_t number, shb_list_cover *cover, uint6
 static void run_lane(void *arg, size_t lane) {
     tile_job *job = arg;
     for (size_t tile; (tile = atomic_fetch_add(&job->next_tile, 1)) < job->bins->tiles;)
-        fill_tile(job, tile, &job->covers[lane], job->keys + lane * 2 * job->bins->largest);
+        fill_tile(job, tile, &job->covers[lane], job->spare + lane * job->bins->largest);
 }
 
 bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t room,
@@ -121,7 +112,7 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
     const size_t most = (bins->largest + 2) * SHB_LIST_LANES;
     const size_t room_of_lane = most > ENTRIES ? most : ENTRIES;
     if (!shb_buffer_reserve(context, &scratch[SHB_LIST_COVERS], lanes, sizeof(shb_list_cover)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_LIST_KEYS], lanes * 2,
+        !shb_buffer_reserve(context, &scratch[SHB_LIST_SPARE], lanes,
                             (bins->largest + 1) * sizeof(uint64_t)) ||
         !shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED], lanes * 5,
                             room_of_lane * sizeof(uint32_t)))
@@ -130,12 +121,12 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
                     .bins = bins,
                     .room = room,
                     .covers = scratch[SHB_LIST_COVERS].data,
-                    .keys = scratch[SHB_LIST_KEYS].data};
+                    .spare = scratch[SHB_LIST_SPARE].data};
     for (size_t i = 0; i < lanes; i++) {
         job.covers[i].triangles = lists->triangles;
         job.covers[i].frame = &lists->frame;
-        job.covers[i].boxes = bins->boxes;
-        job.covers[i].outlines = bins->outlines;
+        job.covers[i].boxes = bins->shapes.boxes;
+        job.covers[i].outlines = bins->shapes.outlines;
         job.covers[i].with_sheets = lists->sheets.bounds != NULL;
         uint32_t *memory = (uint32_t *)scratch[SHB_LIST_UNSORTED].data + 5 * i * room_of_lane;
         job.covers[i].entries = (shb_list_entry *)memory;

@@ -123,7 +123,7 @@ static void bound_triangles(const shb_list_frame *frame, const shb_list_corners 
         const int seen = (right >= 0) & (left <= width) & (bottom >= 0) & (top <= height);
         out->first_column[i] = (int32_t)list_min(list_max(left, 0), width - 1);
         out->last_column[i] = (int32_t)list_min(list_max(right, 0), width - 1);
-        out->first_row[i] = seen ? (int32_t)list_min(list_max(top, 0), height - 1) : 1;
+        out->first_row[i] = seen ? (int32_t)list_min(list_max(top, 0), height - 1) : UINT16_MAX;
         out->last_row[i] = seen ? (int32_t)list_min(list_max(bottom, 0), height - 1) : 0;
         const double rounded = (frame->rounding_z + far_z * frame->rounding_w) * inverse;
         const double level = ((lo_z - 4 * z - rounded) - frame->level_origin) * frame->levels;
@@ -276,7 +276,7 @@ static void put_records(const prepared *restrict made, shb_list_triangle *restri
 static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_vertex *vertices,
                                   const uint64_t *names, const uint32_t *const corners[LIST_LANES],
                                   shb_list_triangle triangles[LIST_LANES],
-                                  shb_list_box boxes[LIST_LANES],
+                                  shb_list_box boxes[LIST_LANES], uint16_t levels[LIST_LANES],
                                   shb_list_outline outlines[LIST_LANES]) {
     shb_list_corners c;
     list_spread spread;
@@ -287,8 +287,9 @@ static uint32_t prepare_triangles(const shb_list_frame *frame, const shb_list_ve
     put_records(&made, triangles);
     for (int i = 0; i < LIST_LANES; i++)
         boxes[i] = (shb_list_box){(uint16_t)made.first_column[i], (uint16_t)made.first_row[i],
-                                  (uint16_t)made.last_column[i], (uint16_t)made.last_row[i],
-                                  (uint16_t)made.level[i]};
+                                  (uint16_t)made.last_column[i], (uint16_t)made.last_row[i]};
+    for (int i = 0; i < LIST_LANES; i++)
+        levels[i] = (uint16_t)made.level[i];
     if (names)
         put_outlines(names, corners, &c, &made, outlines);
     return find_cut(frame, &c);

@@ -120,7 +120,7 @@ static void look_at_triangles(const shb_list_frame *frame, const shb_list_corner
     }
     for (int i = 0; i < SHEET_LANES; i++) {
         boxes[i].box = (shb_list_box){(uint16_t)left[i], (uint16_t)top[i], (uint16_t)right[i],
-                                      (uint16_t)bottom[i], 0};
+                                      (uint16_t)bottom[i]};
         boxes[i].nearest = nearest[i];
         facing[i] = (int8_t)sign[i];
     }

@@ -211,7 +211,7 @@ typedef struct shb_list_kernels {
     uint32_t (*prepare)(const shb_list_frame *frame, const shb_list_vertex *vertices,
                         const uint64_t *names, const uint32_t *const corners[SHB_LIST_LANES],
                         shb_list_triangle triangles[SHB_LIST_LANES],
-                        shb_list_box boxes[SHB_LIST_LANES],
+                        shb_list_box boxes[SHB_LIST_LANES], uint16_t levels[SHB_LIST_LANES],
                         shb_list_outline outlines[SHB_LIST_LANES]);
 
     /* Puts a tile's triangles into its cells. A triangle goes into a cell unless it misses the cell
