@@ -56,10 +56,9 @@ static inline double shb_list_row(const double row[4], double x, double y, doubl
  * plane cuts may begin before all vertices that lie behind it, and so before the origin of levels.
  */
 static inline double shb_list_level_depth(const shb_list_frame *frame, double level) {
-    if (level < 1)
-        return -HUGE_VAL;
     const double depth = frame->level_origin + (level - 1) * frame->level_size;
-    return depth - 0x1p-22 * fabs(depth);
+    const double bound = depth - 0x1p-22 * fabs(depth);
+    return level < 1 ? -HUGE_VAL : bound;
 }
 
 #endif

@@ -8,10 +8,24 @@
 /* The most rows and columns of cells that a small triangle lies in. */
 enum { LIST_SMALL = 3 };
 
+/* Triangles after which blocks are looked at anew, and the rest is left if all of them hide it. */
+enum { LIST_SPELL = 64 };
+
 /* Where a triangle lies in a tile, in cells. */
 typedef struct list_cells {
     uint32_t first_column, last_column, first_row, last_row;
 } list_cells;
+
+/* Triangles that no cells hide so far: where they lie in a tile, in cells, and a bound of their
+ * depths. There is room for what vectors write too much. */
+enum { LIST_WAITING = LIST_SPELL + 2 * LIST_LANES };
+typedef struct list_waiting {
+    SHB_ALIGN uint32_t numbers[LIST_WAITING];
+    int32_t first_columns[LIST_WAITING], first_rows[LIST_WAITING];
+    int32_t columns[LIST_WAITING], rows[LIST_WAITING]; /* behind the first one */
+    float nearest[LIST_WAITING];
+    size_t count;
+} list_waiting;
 
 /* Triangles that are put into cells one after the other, as linear functions over the tile, from
  * its corner: the weights at the best corner of a cell, which are negative where the triangle
@@ -21,7 +35,7 @@ typedef struct list_batch {
     SHB_ALIGN float x[3][LIST_LANES];
     float y[3][LIST_LANES], best[3][LIST_LANES], more[3][LIST_LANES], worst[3][LIST_LANES];
     float slope_x[LIST_LANES], slope_y[LIST_LANES], begin[LIST_LANES], end[LIST_LANES];
-    float nearest[LIST_LANES];
+    float clear[LIST_LANES];
     /* The same of texels, for sheets: the weights at their best corner, and below what an edge's
      * line may pass them; what their sample has more, and where that is surely covered. */
     float met[3][LIST_LANES], passed[3][LIST_LANES], sample[3][LIST_LANES], sure[LIST_LANES];
@@ -30,12 +44,12 @@ typedef struct list_batch {
     int32_t first_column[LIST_LANES], last_column[LIST_LANES];
     int32_t first_row[LIST_LANES], last_row[LIST_LANES];
     int32_t edges[3][2][LIST_LANES], covers[2][LIST_LANES]; /* what they add to the sums */
+    /* as they waited */
     int count;
-    uint32_t numbers[LIST_LANES];
-    list_cells cells[LIST_LANES];
-    int32_t first_columns[LIST_LANES], first_rows[LIST_LANES];
-    int32_t columns[LIST_LANES], rows[LIST_LANES]; /* behind the first one; -1 when triangles that
-                                                      are not small have been left out */
+    uint32_t *numbers;
+    const int32_t *first_columns, *first_rows, *columns, *rows;
+    const float *nearest;
+    int32_t small_columns[LIST_LANES]; /* of small triangles; of others -1 */
 } list_batch;
 
 /* Words of records, WIDE lanes of each four. */
@@ -47,7 +61,7 @@ static inline vf positive(vf v) {
     return vf_max(v, vf_splat(0));
 }
 
-/* The weights of WIDE triangles from lane i on. */
+/* The weights of WIDE triangles from lane i on, and the rounding of their depths. */
 static inline void put_weights(const shb_list_cover *cover, bool with_sheets, float rim,
                                const float *records, int i, list_batch *b) {
     const float column = (float)cover->column, row = (float)cover->row;
@@ -76,25 +90,37 @@ static inline void put_weights(const shb_list_cover *cover, bool with_sheets, fl
         }
     }
     vf_store(b->sure + i, 4 * margin);
+    vf_store(b->clear + i, rest[3]);
+}
+
+/* The planes at the tile's corner. */
+static inline void put_planes(const shb_list_cover *cover, list_batch *b, float at[LIST_LANES]) {
+    const wd column = wd_splat((double)cover->column), row = wd_splat((double)cover->row);
+    for (int i = 0; i < LIST_LANES; i += DOUBLES) {
+        const double *from[DOUBLES];
+        wd plane[4];
+        for (int lane = 0; lane < DOUBLES; lane++)
+            from[lane] = cover->triangles[b->numbers[i + lane]].plane;
+        wd_read_quads(from, plane);
+        const wd none = wd_splat(0);
+        const wd behind = (plane[0] * column + plane[1] * row) + plane[2];
+        wd_store_floats(at + i, none - behind);
+        wd_store_floats(b->slope_x + i, none - plane[0]);
+        wd_store_floats(b->slope_y + i, none - plane[1]);
+    }
 }
 
 /* Depths of all lanes. */
 static inline void put_cell_depths(const shb_list_cover *cover, bool with_sheets, float rim,
                                    list_batch *b) {
     const float size = (float)(1 << cover->cell_bits);
-    SHB_ALIGN float z[LIST_LANES], clear[LIST_LANES];
-    for (int i = 0; i < LIST_LANES; i++) {
-        const shb_list_triangle *t = &cover->triangles[b->numbers[i]];
-        z[i] = (float)-shb_list_behind(t, (double)cover->column, (double)cover->row, 0);
-        b->slope_x[i] = (float)-t->plane[0];
-        b->slope_y[i] = (float)-t->plane[1];
-        clear[i] = t->clear;
-    }
+    SHB_ALIGN float z[LIST_LANES];
+    put_planes(cover, b, z);
     for (int i = 0; i < LIST_LANES; i += WIDE) {
         const vf x = vf_load(b->slope_x + i), y = vf_load(b->slope_y + i), at = vf_load(z + i);
         const vf steep = vf_abs(x) + vf_abs(y), none = vf_splat(0);
         const vf rounding =
-            (0x1p-20f * (vf_abs(at) + SHB_LIST_TILE * steep) + rim * steep) + vf_load(clear + i);
+            (0x1p-20f * (vf_abs(at) + SHB_LIST_TILE * steep) + rim * steep) + vf_load(b->clear + i);
         vf_store(b->begin + i, (at + size * (vf_min(x, none) + vf_min(y, none))) - rounding);
         vf_store(b->end + i, (at + size * (vf_max(x, none) + vf_max(y, none))) + rounding);
         if (with_sheets) {
@@ -172,15 +198,6 @@ static void put_functions(const shb_list_cover *cover, bool with_sheets, list_ba
 
 #include "k_list_sheet.inl"
 
-static inline uint32_t first_cell(uint32_t texel, uint32_t tile, int bits) {
-    return (texel > tile ? texel - tile : 0) >> bits;
-}
-
-static inline uint32_t last_cell(uint32_t texel, uint32_t tile, int bits) {
-    const uint32_t last = texel - tile;
-    return (last < SHB_LIST_TILE ? last : SHB_LIST_TILE - 1) >> bits;
-}
-
 /* Blocks of a row, one bit each, such that a window that begins there has cells which do not hide a
  * depth. */
 static inline uint32_t open_blocks(const shb_list_cover *cover, uint32_t row, float depth) {
@@ -205,14 +222,13 @@ static inline size_t append_entries(const shb_list_unsorted *entries, size_t end
 static inline __attribute__((always_inline)) void cover_window(shb_list_cover *cover,
                                                                bool with_sheets, uint32_t column,
                                                                uint32_t row, const list_batch *b,
-                                                               int t) {
+                                                               int t, const list_cells *cells) {
     const size_t side = SHB_LIST_TILE >> cover->cell_bits, stride = side + SHB_LIST_BLOCK;
     const size_t cell = row * stride + column;
     const float left = (float)(int32_t)(column << cover->cell_bits);
     const float top = (float)(int32_t)(row << cover->cell_bits);
     const float size = (float)(1 << cover->cell_bits);
     const int32_t corner = (int32_t)(row * side + column);
-    const list_cells *cells = &b->cells[t];
     const vf last_x = vf_splat((float)(int32_t)(cells->last_column << cover->cell_bits));
     const vf last_y = vf_splat((float)(int32_t)(cells->last_row << cover->cell_bits));
     for (int i = 0; i < LIST_LANES; i += WIDE) {
@@ -243,12 +259,9 @@ static inline __attribute__((always_inline)) void cover_window(shb_list_cover *c
     }
 }
 
-static inline list_cells cells_of_box(const shb_list_cover *cover, const shb_list_box *box) {
-    const int bits = cover->cell_bits;
-    return (list_cells){first_cell(box->first_column, cover->column, bits),
-                        last_cell(box->last_column, cover->column, bits),
-                        first_cell(box->first_row, cover->row, bits),
-                        last_cell(box->last_row, cover->row, bits)};
+static inline list_cells cells_of(const list_batch *b, int t) {
+    const uint32_t column = (uint32_t)b->first_columns[t], row = (uint32_t)b->first_rows[t];
+    return (list_cells){column, column + (uint32_t)b->columns[t], row, row + (uint32_t)b->rows[t]};
 }
 
 /* The blocks in which the windows of a row begin that together hold a triangle's columns. */
@@ -296,15 +309,15 @@ static inline uint32_t open_windows(const shb_list_cover *cover, const list_batc
 /* The windows begin at the triangle's first cell, so that most triangles need one. */
 static inline __attribute__((always_inline)) void
 cover_windows(shb_list_cover *cover, bool with_sheets, const list_batch *b, int t) {
-    const list_cells *cells = &b->cells[t];
-    const uint32_t blocks = blocks_of(cells), phase = cells->first_column % SHB_LIST_BLOCK;
-    for (uint32_t row = cells->first_row; row <= cells->last_row; row += SHB_LIST_BLOCK) {
+    const list_cells cells = cells_of(b, t);
+    const uint32_t blocks = blocks_of(&cells), phase = cells.first_column % SHB_LIST_BLOCK;
+    for (uint32_t row = cells.first_row; row <= cells.last_row; row += SHB_LIST_BLOCK) {
         uint32_t open = blocks;
         if (blocks & (blocks - 1))
             open &= open_windows(cover, b, t, row, phase);
         for (; open; open &= open - 1) {
             const uint32_t block = (uint32_t)__builtin_ctz(open);
-            cover_window(cover, with_sheets, block * SHB_LIST_BLOCK + phase, row, b, t);
+            cover_window(cover, with_sheets, block * SHB_LIST_BLOCK + phase, row, b, t, &cells);
         }
     }
 }
@@ -319,8 +332,7 @@ static inline uint32_t keep_small(list_batch *b) {
             (vf_load(b->worst[0] + i) + vf_load(b->worst[1] + i)) + vf_load(b->worst[2] + i);
         const vi is_small = (columns < LIST_SMALL) & (rows < LIST_SMALL) & (worst < -2) &
                             (vi_numbers() + i < b->count);
-        vi_store(b->columns + i, columns | ~is_small);
-        vi_store(b->rows + i, rows | ~is_small);
+        vi_store(b->small_columns + i, columns | ~is_small);
         small |= vi_bits(is_small) << i;
     }
     return small;
@@ -329,7 +341,7 @@ static inline uint32_t keep_small(list_batch *b) {
 /* Puts WIDE triangles from lane i on into the cells at a place in their boxes. */
 static inline void cover_cell_of_each(shb_list_cover *cover, const list_batch *b, int column,
                                       int row, int i) {
-    const vi inside = (vi_load(b->columns + i) >= column) & (vi_load(b->rows + i) >= row);
+    const vi inside = (vi_load(b->small_columns + i) >= column) & (vi_load(b->rows + i) >= row);
     if (!vi_any(inside))
         return;
     const vi columns = (inside & vi_load(b->first_columns + i)) + column;
@@ -372,8 +384,6 @@ static inline __attribute__((always_inline)) bool cover_batch(shb_list_cover *co
     const size_t blocks = SHB_LIST_BLOCKS >> cover->cell_bits;
     const size_t room = (blocks * blocks + 1) * LIST_LANES; /* for one triangle */
     const size_t room_for_small = (size_t)b->count * LIST_SMALL * LIST_SMALL + LIST_LANES;
-    if (b->count == 0)
-        return true;
     const size_t begin = cover->unsorted.count;
     put_functions(cover, with_sheets, b);
     uint32_t others = (1u << b->count) - 1;
@@ -391,7 +401,6 @@ static inline __attribute__((always_inline)) bool cover_batch(shb_list_cover *co
     }
     if (with_sheets)
         add_to_sheets(cover, b, begin);
-    b->count = 0;
     return true;
 }
 
@@ -427,15 +436,116 @@ static void find_farthest(shb_list_cover *cover) {
     }
 }
 
-/* LIST_AHEAD: triangles that are fetched before they are used; LIST_SPELL: triangles after which
- * blocks are looked at anew, and the rest is left if all of them hide it. */
-enum { LIST_AHEAD = 32, LIST_SPELL = 64 };
+/* Where WIDE triangles lie in a tile, in cells. */
+typedef struct list_places {
+    vi first_columns, first_rows, columns, rows; /* behind the first one */
+} list_places;
 
-static inline void fetch_covered(const shb_list_cover *cover, uint32_t number) {
-    __builtin_prefetch(&cover->triangles[number]);
-    __builtin_prefetch(&cover->boxes[number]);
-    if (cover->with_sheets)
-        __builtin_prefetch(&cover->outlines[number]);
+/* The cells of texels, whose numbers are those of the map, on one axis. */
+static inline vi cells_on_axis(vi texels, uint32_t tile, int bits) {
+    const vi at = texels - (int32_t)tile, last = vi_splat(SHB_LIST_TILE - 1);
+    const vi before = at<0, beyond = at> last;
+    return ((last & beyond) | (at & ~(before | beyond))) >> bits;
+}
+
+static inline list_places places_of(const shb_list_cover *cover, vi numbers) {
+    const uint32_t step = sizeof *cover->boxes / sizeof(float);
+    const int bits = cover->cell_bits;
+    vf words[4];
+    vf_read_quads((const float *)(const void *)cover->boxes, (vu)numbers * step, words);
+    const vi first = (vi)words[0], last = (vi)words[1];
+    const vi left = cells_on_axis(first & 0xffff, cover->column, bits);
+    const vi top = cells_on_axis((vi)((vu)first >> 16), cover->row, bits);
+    const vi right = cells_on_axis(last & 0xffff, cover->column, bits);
+    const vi bottom = cells_on_axis((vi)((vu)last >> 16), cover->row, bits);
+    return (list_places){left, top, right - left, bottom - top};
+}
+
+/* Triangles that all the cells near them hide, one bit each. */
+static inline uint32_t hidden_of(const shb_list_cover *cover, const list_places *places,
+                                 vf nearest) {
+    const vi blocks = (places->first_rows >> SHB_LIST_BLOCK_BITS) * SHB_LIST_BLOCKS +
+                      (places->first_columns >> SHB_LIST_BLOCK_BITS);
+    const vi more = (places->columns >= SHB_LIST_BLOCK) | (places->rows >= SHB_LIST_BLOCK);
+    const vi hidden = nearest > vf_gather(cover->farthest, blocks);
+    uint32_t bits = vi_bits(hidden);
+    for (uint32_t larger = vi_bits(hidden & more); larger; larger &= larger - 1) {
+        const int lane = __builtin_ctz(larger);
+        const uint32_t column = (uint32_t)places->first_columns[lane];
+        const uint32_t row = (uint32_t)places->first_rows[lane];
+        const list_cells cells = {column, column + (uint32_t)places->columns[lane], row,
+                                  row + (uint32_t)places->rows[lane]};
+        if (!is_hidden(cover, &cells, nearest[lane]))
+            bits &= ~(1u << lane);
+    }
+    return bits;
+}
+
+/* Lets those of up to LIST_LANES triangles from number k on wait that no cells hide. */
+static inline void wait_for(const shb_list_cover *cover, bool hides, size_t k,
+                            list_waiting *waiting) {
+    const size_t count = cover->count - k < LIST_LANES ? cover->count - k : LIST_LANES;
+    SHB_ALIGN uint32_t numbers[LIST_LANES];
+    SHB_ALIGN float nearest[LIST_LANES];
+    uint64_t keys[LIST_LANES];
+    for (size_t i = 0; i < LIST_LANES; i++)
+        keys[i] = cover->keys[k];
+    memcpy(keys, cover->keys + k, count * sizeof *keys);
+    for (int i = 0; i < LIST_LANES; i++) {
+        numbers[i] = (uint32_t)keys[i];
+        nearest[i] = (float)shb_list_level_depth(cover->frame, (double)(int32_t)(keys[i] >> 32));
+    }
+    for (int i = 0; i < LIST_LANES; i += WIDE) {
+        const vi lane_numbers = (vi)vu_load(numbers + i);
+        const vf lane_nearest = vf_load(nearest + i);
+        const list_places places = places_of(cover, lane_numbers);
+        uint32_t kept = vi_bits(vi_numbers() + i < (int32_t)count);
+        if (hides)
+            kept &= ~hidden_of(cover, &places, lane_nearest);
+        const size_t end = waiting->count;
+        vi_append((int32_t *)waiting->numbers, end, lane_numbers, kept);
+        vi_append((int32_t *)(void *)waiting->nearest, end, (vi)lane_nearest, kept);
+        vi_append(waiting->first_columns, end, places.first_columns, kept);
+        vi_append(waiting->first_rows, end, places.first_rows, kept);
+        vi_append(waiting->columns, end, places.columns, kept);
+        vi_append(waiting->rows, end, places.rows, kept);
+        waiting->count += (size_t)__builtin_popcount(kept);
+    }
+}
+
+/* Drops so many that wait; fewer than LIST_LANES stay. */
+static inline void drop_waiting(list_waiting *waiting, size_t dropped) {
+    const size_t size = LIST_LANES * sizeof *waiting->numbers;
+    memmove(waiting->numbers, waiting->numbers + dropped, size);
+    memmove(waiting->first_columns, waiting->first_columns + dropped, size);
+    memmove(waiting->first_rows, waiting->first_rows + dropped, size);
+    memmove(waiting->columns, waiting->columns + dropped, size);
+    memmove(waiting->rows, waiting->rows + dropped, size);
+    memmove(waiting->nearest, waiting->nearest + dropped, size);
+    waiting->count -= dropped;
+}
+
+/* Puts triangles that wait into the cells, LIST_LANES at a time, as long as there are so many or
+ * more. False: no room for all the entries. */
+static inline __attribute__((always_inline)) bool
+cover_waiting(shb_list_cover *cover, bool with_sheets, size_t least, list_waiting *waiting) {
+    size_t first = 0, left = waiting->count;
+    while (left >= least) {
+        list_batch batch;
+        batch.count = left < LIST_LANES ? (int)left : LIST_LANES;
+        batch.numbers = waiting->numbers + first;
+        batch.first_columns = waiting->first_columns + first;
+        batch.first_rows = waiting->first_rows + first;
+        batch.columns = waiting->columns + first;
+        batch.rows = waiting->rows + first;
+        batch.nearest = waiting->nearest + first;
+        if (!cover_batch(cover, with_sheets, &batch))
+            return false;
+        first += (size_t)batch.count;
+        left -= (size_t)batch.count;
+    }
+    drop_waiting(waiting, first);
+    return true;
 }
 
 /* Nothing enters the rim of cells that windows reach beyond the tile. */
@@ -475,45 +585,50 @@ static void sort_entries(shb_list_cover *cover) {
             (shb_list_entry){made->triangles[i], made->begins[i]};
 }
 
+/* Fetches the boxes of the spell that follows this one. */
+static inline void fetch_boxes(const shb_list_cover *cover, size_t k) {
+    const size_t end = cover->count < k + LIST_SPELL ? cover->count : k + LIST_SPELL;
+    for (; k < end; k++)
+        __builtin_prefetch(&cover->boxes[(uint32_t)cover->keys[k]]);
+}
+
+static inline void fetch_waiting(const shb_list_cover *cover, const list_waiting *waiting,
+                                 size_t first) {
+    for (; first < waiting->count; first++) {
+        __builtin_prefetch(&cover->triangles[waiting->numbers[first]]);
+        if (cover->with_sheets)
+            __builtin_prefetch(&cover->outlines[waiting->numbers[first]]);
+    }
+}
+
 static inline __attribute__((always_inline)) bool cover_by(shb_list_cover *cover,
                                                            bool with_sheets) {
     const uint32_t last = (uint32_t)(SHB_LIST_TILE >> cover->cell_bits) - 1;
     const list_cells tile = {0, last, 0, last};
-    list_batch batch;
+    list_waiting waiting;
     bool hides = false;
-    batch.count = 0;
+    waiting.count = 0;
     empty_cells(cover);
-    for (size_t k = 0; k < cover->count; k++) {
-        if (k + LIST_AHEAD < cover->count)
-            fetch_covered(cover, (uint32_t)cover->keys[k + LIST_AHEAD]);
-        const uint32_t number = (uint32_t)cover->keys[k];
-        const float nearest =
-            (float)shb_list_level_depth(cover->frame, (double)(cover->keys[k] >> 32));
-        if (k % LIST_SPELL == LIST_SPELL - 1) {
-            if (with_sheets)
-                find_far_cells(cover);
-            if (cover->is_nearer) {
-                find_farthest(cover);
-                cover->is_nearer = false;
-                hides = true;
-            }
-            if (hides && is_hidden(cover, &tile, nearest))
-                break;
+    for (size_t k = 0; k < cover->count; k += LIST_SPELL) {
+        if (with_sheets && k)
+            find_far_cells(cover);
+        if (cover->is_nearer) {
+            find_farthest(cover);
+            cover->is_nearer = false;
+            hides = true;
         }
-        const list_cells cells = cells_of_box(cover, &cover->boxes[number]);
-        if (hides && is_hidden(cover, &cells, nearest))
-            continue;
-        batch.numbers[batch.count] = number;
-        batch.nearest[batch.count] = nearest;
-        batch.first_columns[batch.count] = (int32_t)cells.first_column;
-        batch.first_rows[batch.count] = (int32_t)cells.first_row;
-        batch.columns[batch.count] = (int32_t)(cells.last_column - cells.first_column);
-        batch.rows[batch.count] = (int32_t)(cells.last_row - cells.first_row);
-        batch.cells[batch.count++] = cells;
-        if (batch.count == LIST_LANES && !cover_batch(cover, with_sheets, &batch))
+        const double level = (double)(cover->keys[k] >> 32);
+        if (hides && is_hidden(cover, &tile, (float)shb_list_level_depth(cover->frame, level)))
+            break;
+        const size_t first = waiting.count;
+        for (size_t i = k; i < k + LIST_SPELL && i < cover->count; i += LIST_LANES)
+            wait_for(cover, hides, i, &waiting);
+        fetch_waiting(cover, &waiting, first);
+        fetch_boxes(cover, k + LIST_SPELL);
+        if (!cover_waiting(cover, with_sheets, LIST_LANES, &waiting))
             return false;
     }
-    if (!cover_batch(cover, with_sheets, &batch))
+    if (!cover_waiting(cover, with_sheets, 1, &waiting))
         return false;
     if (with_sheets)
         find_far_cells(cover);
