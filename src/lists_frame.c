@@ -87,9 +87,15 @@ static shb_list_extent join(size_t count, const shb_list_extent extents[]) {
     return all;
 }
 
-double shb_list_row_rounding(const shb_list_frame *frame, int row) {
+/* What rounding of a point to floats changes a row's product with it by, if no coordinate is larger
+ * than size. */
+static double rounding_within(const shb_list_frame *frame, int row, double size) {
     const double *r = frame->rows[row];
-    return 0x1.01p-24 * (fabs(r[0]) + fabs(r[1]) + fabs(r[2])) * frame->reach;
+    return 0x1.01p-24 * (fabs(r[0]) + fabs(r[1]) + fabs(r[2])) * size;
+}
+
+double shb_list_row_rounding(const shb_list_frame *frame, int row) {
+    return rounding_within(frame, row, frame->reach);
 }
 
 void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_extent extents[]) {
@@ -97,7 +103,8 @@ void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_exte
     /* Below FLT_MIN floats have no finer steps, and points are rounded as there. */
     frame->reach = all.reach > (double)FLT_MIN ? all.reach : (double)FLT_MIN;
     for (int r = 0; r < 4; r++) {
-        frame->errors[r] = PROJECTION_ROUNDING * row_size(frame->rows[r], frame->reach);
+        frame->errors[r] = PROJECTION_ROUNDING * row_size(frame->rows[r], frame->reach) +
+                           rounding_within(frame, r, (double)FLT_MIN);
         if (r != 2)
             frame->errors[r] += drift(frame, frame->rows[r]);
     }

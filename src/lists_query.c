@@ -34,7 +34,8 @@ typedef struct inquiry {
     double places[3][GROUP]; /* of a group that is not whole */
 } inquiry;
 
-/* The parameter of a ray at which it leaves what lies behind the near plane. */
+/* The parameter of a ray at which it leaves what lies behind the near plane; 0: it never was there.
+ */
 static double near_limit(const shb_list_frame *frame, const shb_ray *ray) {
     double row[4];
     for (int i = 0; i < 4; i++)
@@ -43,19 +44,26 @@ static double near_limit(const shb_list_frame *frame, const shb_ray *ray) {
     const double at_point = shb_list_row(row, o[0], o[1], o[2]);
     const double along =
         row[0] * ray->direction[0] + row[1] * ray->direction[1] + row[2] * ray->direction[2];
-    return at_point / -along;
+    return at_point > 0 ? at_point / -along : 0;
 }
 
-/* The change of the distance behind a plane by the point's own rounding. */
-static double distance_rounding(const inquiry *q, const shb_list_triangle *t, size_t number) {
+/* The change of the distance behind a plane by the point's own rounding; most: if all coordinates
+ * were as large as the largest. */
+static double distance_rounding(const inquiry *q, const shb_list_triangle *t, size_t number,
+                                double *most) {
     const double(*rows)[4] = q->lists->frame.rows;
-    double sum = 0;
+    double sum = 0, changes = 0, size = 0;
     for (int i = 0; i < 3; i++) {
-        const double change = (rows[2][i] + t->plane[0] * rows[0][i]) +
-                              (t->plane[1] * rows[1][i] + t->plane[2] * rows[3][i]);
-        sum += fabs(change) * fabs(q->g.world[i][number]);
+        const double change = fabs((rows[2][i] + t->plane[0] * rows[0][i]) +
+                                   (t->plane[1] * rows[1][i] + t->plane[2] * rows[3][i]));
+        const double coordinate = fabs(q->g.world[i][number]);
+        sum += change * coordinate;
+        changes += change;
+        size = coordinate > size ? coordinate : size;
     }
-    return sum * (1 + 0x1p-20) * q->g.inverse_w[number] * q->rounding;
+    const double unit = (1 + 0x1p-20) * q->g.inverse_w[number] * q->rounding;
+    *most = changes * size * unit;
+    return sum * unit;
 }
 
 static bool is_finite(const shb_triangle *triangle) {
@@ -70,35 +78,46 @@ static uint32_t own_id_of(const inquiry *q, size_t number) {
     return q->g.has_own ? q->g.own[number] : SHB_ID_NONE;
 }
 
+/* Where a point lies by a triangle's plane. */
+typedef enum side { SIDE_BEFORE, SIDE_IN_DOUBT, SIDE_BEHIND } side;
+
+/* Rounded points that do not lie behind a plane for sure are taken to lie on it, unless the bound
+ * of this arithmetic is wider than their own rounding: in views so wide, or scenes with so large a
+ * part, that little or nothing is known of the plane. */
+static side side_of(const inquiry *q, const shb_list_triangle *t, size_t number) {
+    const shb_list_group *g = &q->g;
+    double most;
+    const double rounded = distance_rounding(q, t, number, &most);
+    const double bound = (double)t->bound * g->scale[number];
+    const double behind = shb_list_behind(t, g->x[number], g->y[number], g->depth[number]);
+    const bool is_rounded = q->rounding > 0;
+    if (!(behind > rounded + (is_rounded && bound <= most ? bound : -bound)))
+        return SIDE_BEFORE;
+    return is_rounded && t->margin < HUGE_VALF && behind > rounded + bound ? SIDE_BEHIND
+                                                                           : SIDE_IN_DOUBT;
+}
+
 /* Decides a triangle in doubt by the ray. */
-static bool blocks_ray(const inquiry *q, uint32_t id, size_t number) {
+static bool blocks_in_doubt(const inquiry *q, const shb_list_triangle *t, size_t number) {
     const shb_lists *lists = q->lists;
     const double *const *at = q->g.world;
     shb_ray ray;
-    if (!shb_ray_to_light(&lists->frame.light,
+    const side lies = side_of(q, t, number);
+    if (lies == SIDE_BEFORE ||
+        !shb_ray_to_light(&lists->frame.light,
                           (shb_vec3){at[0][number], at[1][number], at[2][number]}, &ray))
         return false;
-    const shb_triangle triangle = shb_lists_triangle(lists, id);
-    if (q->rounding > 0)
+    const shb_triangle triangle = shb_lists_triangle(lists, (uint32_t)(t - lists->triangles));
+    if (lies == SIDE_BEHIND)
         return shb_ray_line_meets(&ray, &triangle);
-    if (lists->triangles[id].margin == HUGE_VALF)
+    ray.rounding = q->rounding;
+    if (t->margin == HUGE_VALF)
         ray.limit = near_limit(&lists->frame, &ray);
     const uint32_t own_id = own_id_of(q, number);
     if (own_id >= lists->id_count)
         return shb_ray_is_blocked(&ray, &triangle, NULL);
     const shb_triangle own = shb_lists_triangle(lists, own_id);
     return shb_ray_is_blocked(&ray, &triangle, is_finite(&own) ? &own : NULL);
-}
-
-/* Decides a triangle whose plane the point may lie behind. */
-static bool blocks_in_doubt(const inquiry *q, const shb_list_triangle *t, size_t number) {
-    const shb_list_group *g = &q->g;
-    if (q->rounding > 0) {
-        const double behind = shb_list_behind(t, g->x[number], g->y[number], g->depth[number]);
-        if (g->depth[number] - behind < q->lists->frame.near_depth)
-            return false;
-    }
-    return blocks_ray(q, (uint32_t)(t - q->lists->triangles), (uint32_t)number);
 }
 
 /* The cell that holds a point, and its tile's entries. */
@@ -121,10 +140,7 @@ static bool is_blocked_outside(const inquiry *q, size_t number) {
     for (uint32_t i = span.cell[0].start; i < span.cell[1].start; i++) {
         const uint32_t id = span.entries[i].triangle;
         const shb_list_triangle *t = &q->lists->triangles[id];
-        const double behind = shb_list_behind(t, g->x[number], g->y[number], g->depth[number]);
-        const double bound = (double)t->bound * g->scale[number];
-        const double least = q->rounding > 0 ? bound + distance_rounding(q, t, number) : -bound;
-        if (id != own_id && behind > least && blocks_in_doubt(q, t, number))
+        if (id != own_id && blocks_in_doubt(q, t, number))
             return true;
     }
     return false;

@@ -287,6 +287,138 @@ TEST(what_lies_before_the_near_plane_blocks_no_point_however_it_is_rounded) {
     soup_free(&s);
 }
 
+/* A plate z = 2 + slope x + y / 8 below a light at (0, 0, 4), from x = left to 3, in units. */
+static void add_slanting_plate(soup *s, float left, float slope, float unit) {
+    const float low = 2 + slope * left, high = 2 + slope * 3;
+    float corners[4][3] = {{left, -1, low - 0.125f},
+                           {3, -1, high - 0.125f},
+                           {3, 1, high + 0.125f},
+                           {left, 1, low + 0.125f}};
+    for (int k = 0; k < 4; k++)
+        for (int axis = 0; axis < 3; axis++)
+            corners[k][axis] *= unit;
+    soup_add_quad(s, corners[0], corners[1], corners[2], corners[3]);
+}
+
+/* Points on the plate are lit, those behind it shadowed, however they are rounded; the last ones
+ * lie outside of the scene. */
+static void check_slanting_plate(const shb_view *view, soup *s, double slope, double unit) {
+    enum { SIDE = 20, POINTS = SIDE * SIDE };
+    static const double distances[] = {1, 1.25, 8};
+    static double place[3][POINTS];
+    static float visibility[POINTS];
+    shb_context *context = lists_context(1);
+    shb_lists *lists = lists_of(context, view, 16, soup_scene(s));
+    for (int k = 0; k < 3; k++)
+        for (int rounded = 0; rounded < 2; rounded++) {
+            size_t shadowed = 0;
+            for (int i = 0; i < POINTS; i++) {
+                const double x = 0.06 + 0.03 * (i % SIDE), y = -0.5 + 0.05 * (i / SIDE);
+                const double ray[3] = {x, y, slope * x + y / 8 - 2};
+                for (int axis = 0; axis < 3; axis++) {
+                    const double at = (ray[axis] * distances[k] + (axis == 2 ? 4 : 0)) * unit;
+                    place[axis][i] = rounded ? oracle_float(at) : at;
+                }
+            }
+            const shb_list_points points = {.count = POINTS,
+                                            .x = place[0],
+                                            .y = place[1],
+                                            .z = place[2],
+                                            .rounding = rounded ? 0x1p-24 : 0};
+            shb_lists_query(lists, &points, visibility);
+            for (int i = 0; i < POINTS; i++)
+                shadowed += visibility[i] == 0;
+            CHECK_INT(shadowed, k ? POINTS : 0);
+        }
+    shb_lists_destroy(lists);
+    shb_context_destroy(context);
+}
+
+static const shb_vec3 above_plate = {0, 0, 4}, below_plate = {0, 0, 0}, plate_up = {0, 1, 0};
+
+TEST(points_in_floats_are_shadowed_in_the_widest_views) {
+    soup s = {0};
+    add_slanting_plate(&s, -1, 0.25f, 1);
+    for (int reversed = 0; reversed < 2; reversed++)
+        for (double left = 1e-2; left > 1e-10; left *= 0.1) {
+            shb_view view;
+            CHECK_INT(shb_view_perspective(above_plate, below_plate, plate_up, acos(-1) - left, 1,
+                                           0.25, 10, reversed, &view),
+                      SHB_OK);
+            check_slanting_plate(&view, &s, 0.25, 1);
+        }
+    soup_free(&s);
+}
+
+TEST(points_in_floats_are_shadowed_beside_a_mesh_that_is_far_larger) {
+    shb_view view;
+    CHECK_INT(
+        shb_view_perspective(above_plate, below_plate, plate_up, 2, 1, 0.25, 10, false, &view),
+        SHB_OK);
+    for (float size = 1e6f; size < 1e14f; size *= 10) {
+        soup s = {0};
+        add_slanting_plate(&s, -1, 0.25f, 1);
+        soup_add(&s, (float[]){size, size, -size}, (float[]){2 * size, size, -size},
+                 (float[]){size, 2 * size, -size});
+        check_slanting_plate(&view, &s, 0.25, 1);
+        soup_free(&s);
+    }
+}
+
+/* From the least floats of full precision to those that are a few of their steps large. */
+TEST(points_in_floats_are_rounded_by_their_steps_in_the_smallest_scenes) {
+    for (double unit = 0x1p-120; unit > 0x1p-144; unit *= 0.25) {
+        soup s = {0};
+        add_slanting_plate(&s, -1, 0.25f, (float)unit);
+        shb_view view;
+        CHECK_INT(shb_view_perspective((shb_vec3){0, 0, 4 * unit}, below_plate, plate_up, 2, 1,
+                                       0.25 * unit, 10 * unit, false, &view),
+                  SHB_OK);
+        check_slanting_plate(&view, &s, 0.25, unit);
+        soup_free(&s);
+    }
+}
+
+/* What lies behind its near plane: z < 4 + 41 x, but for a hundredth. */
+static shb_view steep_view(void) {
+    shb_view view;
+    CHECK_INT(
+        shb_view_perspective(above_plate, below_plate, plate_up, 2, 1, 0.01, 10, false, &view),
+        SHB_OK);
+    for (int column = 0; column < 4; column++)
+        view.clip_from_world.m[4 * column + 2] += 64 * view.clip_from_world.m[4 * column];
+    return view;
+}
+
+/* The plate passes beside the light, and the near plane does not cut it there. */
+TEST(points_in_floats_are_shadowed_by_what_reaches_past_the_light) {
+    soup s = {0};
+    add_slanting_plate(&s, 0, 2, 1);
+    const shb_view view = steep_view();
+    check_slanting_plate(&view, &s, 2, 1);
+    soup_free(&s);
+}
+
+/* Which cuts the plate at x = -0.05. */
+TEST(points_before_a_steep_near_plane_are_lit) {
+    soup s = {0};
+    add_slanting_plate(&s, -1, 0.25f, 1);
+    const shb_view view = steep_view();
+    shb_context *context = lists_context(1);
+    shb_lists *lists = lists_of(context, &view, 16, soup_scene(&s));
+    const double x[] = {-0.5, 0.5}, y[] = {-0.25, -0.25}, z[] = {-1, -1};
+    for (int rounded = 0; rounded < 2; rounded++) {
+        const shb_list_points points = {
+            .count = 2, .x = x, .y = y, .z = z, .rounding = rounded ? 0x1p-24 : 0};
+        float visibility[2];
+        shb_lists_query(lists, &points, visibility);
+        CHECK(visibility[0] == 1 && visibility[1] == 0);
+    }
+    shb_lists_destroy(lists);
+    shb_context_destroy(context);
+    soup_free(&s);
+}
+
 /* Two level plates a gap apart, turned so that nothing is exact; ids 0, 1 below and 2, 3 above. */
 static void add_plates(soup *s, float gap) {
     for (int plate = 0; plate < 2; plate++) {

@@ -72,16 +72,19 @@ static size_t answer_questions(const shb_list_frame *frame, const shb_list_trian
     const size_t covered = g->has_own ? keep_covered(triangles, g, true, questions, count)
                                       : keep_covered(triangles, g, false, questions, count);
     const bool is_rounded = rounding > 0;
+    const double least_rounding = 0.5 * rounding * g->least_size;
     const wd unit = wd_splat((1 + 0x1p-20) * rounding);
     size_t kept = 0;
     for (size_t i = 0; i < covered; i++) {
         shb_list_question q = questions[i];
         const size_t first = shb_list_byte(&q, SHB_LIST_FIRST);
         const shb_list_triangle *t = &triangles[q.triangle];
-        const wd bound = wd_splat((double)(is_rounded ? t->bound : -t->bound));
-        const wd clear = wd_splat((double)t->clear);
         double changes[3];
         list_changes(frame, t, changes);
+        const double most = ((changes[0] + changes[1]) + changes[2]) * least_rounding;
+        const double bound = (double)t->bound, clear = (double)t->clear;
+        const wd least = wd_splat(bound <= most ? bound : -bound);
+        const wd sure_from = wd_splat(is_rounded ? bound : clear);
         uint32_t behind = 0, clearly = 0;
         for (int lane = 0; lane < SHB_LIST_RUN; lane += DOUBLES) {
             const size_t at = first + (size_t)lane;
@@ -92,12 +95,12 @@ static size_t answer_questions(const shb_list_frame *frame, const shb_list_trian
             const wd moved = (wd_splat(changes[0]) * wd_abs(wd_load(g->world[0] + at)) +
                               wd_splat(changes[1]) * wd_abs(wd_load(g->world[1] + at))) +
                              wd_splat(changes[2]) * wd_abs(wd_load(g->world[2] + at));
-            const wd least = bound + (moved * wd_load(g->inverse_w + at)) * unit;
-            behind |= wd_greater_bits(distance, least) << lane;
-            clearly |= wd_greater_bits(distance, clear) << lane;
+            const wd rounded = (moved * wd_load(g->inverse_w + at)) * unit;
+            behind |= wd_greater_bits(distance, rounded + least) << lane;
+            clearly |= wd_greater_bits(distance, rounded + sure_from) << lane;
         }
         const uint32_t met = shb_list_byte(&q, SHB_LIST_ASKED) & behind;
-        const uint32_t sure = shb_list_byte(&q, SHB_LIST_DOUBT) & (is_rounded ? behind : clearly);
+        const uint32_t sure = shb_list_byte(&q, SHB_LIST_DOUBT) & clearly;
         q.bytes =
             (q.bytes & 0xffff) | (met & sure) << SHB_LIST_ASKED | (met & ~sure) << SHB_LIST_DOUBT;
         questions[kept] = q;

@@ -29,6 +29,18 @@ static void place_points(const shb_list_frame *frame, shb_list_group *restrict g
     g->has_outside = outside;
 }
 
+static void find_least_size(shb_list_group *g) {
+    const wd none = wd_splat(0), most = wd_splat(HUGE_VAL);
+    wd least = most;
+    for (size_t i = 0; i < g->count; i += DOUBLES) {
+        const wd x = wd_abs(wd_load(g->world[0] + i)), y = wd_abs(wd_load(g->world[1] + i));
+        const wd z = wd_abs(wd_load(g->world[2] + i)), inverse = wd_load(g->inverse_w + i);
+        const wd size = wd_max(wd_max(x, y), z) * inverse;
+        least = wd_min(wd_where_greater(inverse, none, size, most), least);
+    }
+    g->least_size = least_lane(least);
+}
+
 /* The cells of texels that lie in this tile. */
 static inline vi cells_in_tile(const shb_list_tile *tile, vi texel) {
     const int bits = tile->cell_bits;
@@ -62,6 +74,7 @@ static size_t locate_points(const shb_list_frame *frame, const shb_list_grid *gr
                             int32_t changes[SHB_LIST_POINTS + LIST_LANES]) {
     size_t count = 1;
     place_points(frame, g);
+    find_least_size(g);
     find_point_cells(grid, g);
     changes[0] = 0;
     for (size_t i = 1; i < g->count; i += WIDE) {

@@ -159,6 +159,7 @@ typedef struct shb_list_group {
     double inverse_w[SHB_LIST_POINTS];
     double scale[SHB_LIST_POINTS]; /* of the triangles' bounds: above 1 outside the scene */
     bool has_outside;              /* there is such a one */
+    double least_size; /* of the points' largest coordinates by w, where that is positive */
     /* x, y and depth rounded, and what vectors may read */
     float about_x[SHB_LIST_POINTS + SHB_LIST_LANES];
     float about_y[SHB_LIST_POINTS + SHB_LIST_LANES];

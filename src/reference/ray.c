@@ -40,6 +40,7 @@ bool shb_ray_to_light(const shb_light_source *light, shb_vec3 point, shb_ray *ra
             major = i;
     }
     ray->limit = directional ? HUGE_VAL : 1;
+    ray->rounding = 0;
     for (int i = 0; i < 3; i++)
         ray->axis[i] = (major + 1 + i) % 3;
     for (int i = 0; i < 2; i++)
@@ -167,9 +168,17 @@ static bool lies_between(const shb_ray *ray, const shb_triangle *triangle,
                          const shb_triangle *own) {
     double errors[3];
     input_errors(ray, triangle, own, errors);
-    const range along = range_of_corners(ray, triangle, errors);
-    const range plane = range_of_plane(ray, triangle, errors);
-    return (along.lo > 0 || plane.lo > 0) && (along.hi < ray->limit || plane.hi < ray->limit);
+    range along = range_of_corners(ray, triangle, errors);
+    range plane = range_of_plane(ray, triangle, errors);
+    if (!(along.hi < ray->limit || plane.hi < ray->limit))
+        return false;
+    if (ray->rounding > 0) { /* which moves the origin, but not the light */
+        for (int i = 0; i < 3; i++)
+            errors[i] += ray->rounding * larger(fabs(ray->origin[i]), (double)FLT_MIN);
+        along = range_of_corners(ray, triangle, errors);
+        plane = range_of_plane(ray, triangle, errors);
+    }
+    return along.lo > 0 || plane.lo > 0;
 }
 
 bool shb_ray_is_blocked(const shb_ray *ray, const shb_triangle *triangle, const shb_triangle *own) {

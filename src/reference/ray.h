@@ -13,6 +13,7 @@ typedef struct shb_triangle {
 typedef struct shb_ray {
     double origin[3], direction[3];
     double limit;    /* parameter of the light: 1 for a point, infinite for a direction */
+    double rounding; /* of the origin, relative to its coordinates, beside double's; first 0 */
     int axis[3];     /* axis[2]: the one that the ray follows most; axis[0], axis[1]: the others */
     double shear[2]; /* direction along axis[0], axis[1] per direction along axis[2] */
 } shb_ray;
