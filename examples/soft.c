@@ -139,11 +139,13 @@ static bool picture_method(soft_state *soft, const soft_pair *pair, const shb_so
     const uint32_t tile = (pair->filter_number + 1) * sheet_columns + 2 * pair->bias_number;
     char name[128], caption[64];
     snprintf(name, sizeof name, "soft-%s-%s", pair->method->name, pair->bias.name);
-    if (!paint(soft, truth->seen) || !write_tile(soft, tile, name, pair->method->name))
+    snprintf(caption, sizeof caption, "%s, light of %.2f", pair->method->name,
+             light_widths[PICTURED]);
+    if (!paint(soft, truth->seen) || !write_tile(soft, tile, name, caption))
         return false;
     soft_paint_errors(&soft->frame, truth, &soft->picture);
     snprintf(name, sizeof name, "soft-%s-%s-errors", pair->method->name, pair->bias.name);
-    snprintf(caption, sizeof caption, "%s %.4f %.4f", pair->bias.name, errors->rms,
+    snprintf(caption, sizeof caption, "%s, rms %.4f ssim %.4f", pair->bias.name, errors->rms,
              errors->similarity);
     return write_tile(soft, tile + 1, name, caption);
 }
@@ -161,7 +163,7 @@ static bool make_filter(const shb_filter_method *method, double width, shb_filte
 }
 
 static bool show_pair(soft_state *soft, const soft_pair *pair) {
-    printf("%-22s %-15s", pair->method->name, pair->bias.name);
+    printf("%-25s %-15s", pair->method->name, pair->bias.name);
     bench_times times = {0};
     for (int i = 0; i < LIGHTS; i++) {
         shb_filter filter;
@@ -202,7 +204,7 @@ static bool run_soft(soft_state *soft) {
            soft->options.scene, (unsigned long long)soft->scene->triangle_count,
            soft->frame.fragment_count, soft->options.map_size, soft->options.map_size,
            soft->options.samples);
-    printf("%-38s", "ns a fragment (one thread), rms, ssim;");
+    printf("%-41s", "ns a fragment (one thread), rms, ssim;");
     for (int i = 0; i < LIGHTS; i++)
         printf("  light of %-13.2f", light_widths[i]);
     printf("\n");

@@ -10,7 +10,7 @@
 #include <string.h>
 
 typedef struct view_options {
-    const char *scene, *light, *bias, *filter, *format, *isa, *out, *errors;
+    const char *scene, *light, *bias, *filter, *occluders, *format, *isa, *out, *errors;
     uint32_t map_size, threads, size[2];
     double eye[3], target[3], to_light[3]; /* NaN: the scene's own */
     bool reversed, stats, list, help;
@@ -21,6 +21,7 @@ typedef struct view_setup {
     scene_light_kind light;
     shb_bias bias;
     shb_filter filter;
+    shb_occluders occluders;
     shb_format format;
     shb_isa isa;
 } view_setup;
@@ -96,12 +97,15 @@ static bool find_name(const char *option, const char *name, const char *const *n
 
 static bool read_setup(const view_options *options, view_setup *setup) {
     static const char *const lights[] = {"directional", "spot", NULL};
+    static const char *const occluder_kinds[] = {"planes", "triangles", "lists", NULL};
     static const char *const formats[] = {"float32", "unorm24", "unorm16", NULL};
-    int light, format;
+    int light, occluders, format;
     if (!find_name("--light", options->light, lights, &light) ||
+        !find_name("--occluders", options->occluders, occluder_kinds, &occluders) ||
         !find_name("--format", options->format, formats, &format))
         return false;
     setup->light = (scene_light_kind)light;
+    setup->occluders = (shb_occluders)(SHB_OCCLUDERS_PLANES + occluders);
     setup->format = (shb_format)format;
     if (shb_bias_parse(options->bias, &setup->bias)) {
         print_error("--bias", options->bias, "is not a method with its parameters, see --list");
@@ -115,6 +119,11 @@ static bool read_setup(const view_options *options, view_setup *setup) {
         print_error("--isa", options->isa, "is not best, scalar, sse2, avx2, avx512 or neon");
         return false;
     }
+    const double *to_light = options->to_light;
+    if (to_light[0] == 0 && to_light[1] == 0 && to_light[2] == 0) {
+        print_error("--to-light", "0,0,0", "is no direction");
+        return false;
+    }
     if (options->out || options->errors || options->stats)
         return true;
     fprintf(stderr, "view: nothing to do: give --out, --error or --stats\n");
@@ -126,6 +135,10 @@ static void override_point(const double values[3], shb_vec3 *point) {
         *point = (shb_vec3){values[0], values[1], values[2]};
 }
 
+static bool is_same(shb_vec3 a, shb_vec3 b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
 static bool open_scene(const view_options *options, view_work *work) {
     work->scene = tool_open_scene("view", options->scene);
     if (!work->scene)
@@ -133,6 +146,10 @@ static bool open_scene(const view_options *options, view_work *work) {
     scene_camera camera = work->scene->camera;
     override_point(options->eye, &camera.eye);
     override_point(options->target, &camera.target);
+    if (is_same(camera.eye, camera.target)) {
+        fprintf(stderr, "view: --eye and --target are the same point\n");
+        return false;
+    }
     if (!isnan(options->eye[0]) || !isnan(options->target[0]))
         scene_move_camera(work->scene, camera.eye, camera.target);
     override_point(options->to_light, &work->scene->lights[SCENE_DIRECTIONAL].source);
@@ -156,7 +173,7 @@ static bool prepare(const view_options *options, const view_setup *setup, view_w
     const uint32_t width = options->size[0], height = options->size[1];
     work->image = (shb_image){malloc(3 * (size_t)width * height), width, height, 0};
     shb_map_desc desc = {
-        .width = options->map_size, .format = setup->format, .occluders = SHB_OCCLUDERS_TRIANGLES};
+        .width = options->map_size, .format = setup->format, .occluders = setup->occluders};
     return succeeds("image", work->image.pixels ? SHB_OK : SHB_ERROR_MEMORY) &&
            succeeds("light", scene_light_view(work->scene, setup->light, options->map_size,
                                               options->reversed, &desc.view)) &&
@@ -175,7 +192,7 @@ static void release(view_work *work) {
     scene_close(work->scene);
 }
 
-static void print_stats(const view_options *options, const view_work *work,
+static bool print_stats(const view_options *options, const view_work *work,
                         const measure_result *measured, double shade_seconds) {
     printf("scene\ttriangles\tmap_size\tbias\tfilter\tfragments\tfalse_shadow_ppm\t"
            "false_light_ppm\tboundary_ppm\tmap_ms\tshade_ms\tns_per_fragment\n");
@@ -184,6 +201,7 @@ static void print_stats(const view_options *options, const view_work *work,
            options->filter, work->frame.fragment_count, measured->errors.false_shadow_ppm,
            measured->errors.false_light_ppm, measured->errors.boundary_ppm,
            1e3 * measured->map_seconds, 1e3 * shade_seconds, measured->ns_per_fragment);
+    return succeeds("standard output", fflush(stdout) ? SHB_ERROR_FILE : SHB_OK);
 }
 
 /* Fills the map and, if somebody asks, measures. */
@@ -222,9 +240,7 @@ static bool show(const view_options *options, const view_setup *setup, view_work
     if (!write_pictures(options, setup, work, &shade_seconds))
         return false;
     progress_end(&work->progress);
-    if (options->stats)
-        print_stats(options, work, &measured, shade_seconds);
-    return true;
+    return !options->stats || print_stats(options, work, &measured, shade_seconds);
 }
 
 /* False when the program is to end with *exit_code. */
@@ -237,6 +253,8 @@ static bool read_options(int argc, char **argv, view_options *options, int *exit
         {"--bias", "NAME[:PARAM=X,..]", "bias method (adaptive)", ARGUMENT_TEXT, &options->bias, 0,
          0},
         {"--filter", "NAME[:PARAM=X,..]", "filter (hard)", ARGUMENT_TEXT, &options->filter, 0, 0},
+        {"--occluders", "KIND", "planes, triangles or lists, for exact (triangles)", ARGUMENT_TEXT,
+         &options->occluders, 0, 0},
         {"--map-size", "N", "texels on a side (1024)", ARGUMENT_COUNT, &options->map_size, 8,
          SHB_SIZE_MAX},
         {"--format", "NAME", "float32, unorm24 or unorm16 (float32)", ARGUMENT_TEXT,
@@ -269,6 +287,7 @@ int main(int argc, char **argv) {
                             .light = "directional",
                             .bias = "adaptive",
                             .filter = "hard",
+                            .occluders = "triangles",
                             .format = "float32",
                             .isa = "best",
                             .map_size = 1024,

@@ -3,6 +3,7 @@
 #include "cause_picture.h"
 #include "method_list.h"
 #include "page_images.h"
+#include "page_table.h"
 #include "pictures.h"
 #include "png.h"
 #include "scene_list.h"
@@ -215,12 +216,14 @@ static void write_caption(FILE *section, const char *title, const cause_counts *
         acne = counts->acne[k] > counts->acne[acne] ? (cause)k : acne;
         leak = counts->leak[k] > counts->leak[leak] ? (cause)k : leak;
     }
-    fprintf(section, "<figcaption><b>%s</b>: %.0f wrong per million", title, wrong_ppm(counts));
+    char wrong[32];
+    report_format_number(wrong, sizeof wrong, wrong_ppm(counts));
+    fprintf(section, "<figcaption><b>%s</b>: %s wrong per million", title, wrong);
     if (counts->acne[acne])
-        fprintf(section, "; %.1f %% acne by %s", share_of(counts->acne[acne], counts),
+        fprintf(section, "; %.1f %% false shadow by %s", share_of(counts->acne[acne], counts),
                 cause_name(acne));
     if (counts->leak[leak])
-        fprintf(section, "; %.1f %% leak by %s", share_of(counts->leak[leak], counts),
+        fprintf(section, "; %.1f %% false light by %s", share_of(counts->leak[leak], counts),
                 cause_name(leak));
     fprintf(section, "</figcaption>");
 }
@@ -260,15 +263,18 @@ static void write_shares(const cause_study *s) {
             s->stage->name, report_light_name(s->light));
     for (size_t k = 0; k < TESTS; k++)
         if (tests[k].acne)
-            fprintf(s->section, "<th scope=\"col\">acne by %s</th>", cause_name(tests[k].kind));
+            fprintf(s->section, "<th scope=\"col\">false shadow by %s</th>",
+                    cause_name(tests[k].kind));
     for (size_t k = 0; k < TESTS; k++)
         if (tests[k].leak)
-            fprintf(s->section, "<th scope=\"col\">leak by %s</th>", cause_name(tests[k].kind));
+            fprintf(s->section, "<th scope=\"col\">false light by %s</th>",
+                    cause_name(tests[k].kind));
     fprintf(s->section, "</tr></thead>\n<tbody>\n");
     for (size_t i = 0; i < SUBJECTS; i++) {
         const cause_counts *counts = &s->counts[i];
-        fprintf(s->section, "<tr><th scope=\"row\">%s</th><td>%.0f</td>", subjects[i].title,
-                wrong_ppm(counts));
+        char wrong[32];
+        report_format_number(wrong, sizeof wrong, wrong_ppm(counts));
+        fprintf(s->section, "<tr><th scope=\"row\">%s</th><td>%s</td>", subjects[i].title, wrong);
         for (size_t k = 0; k < TESTS; k++)
             if (tests[k].acne)
                 write_share(s->section, counts->acne[tests[k].kind], counts);

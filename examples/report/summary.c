@@ -151,14 +151,16 @@ bool report_is_on_front(const report_rows *rows, const report_row *row, report_e
     return !isnan(error_of(row));
 }
 
-/* Of the means of a kind that take at most so many milliseconds. */
+/* Of the means of a kind that take at most so many milliseconds; of several the fastest. */
 static const report_row *least_error(const report_rows *rows, bool hard, report_error_fn *error_of,
                                      double ms) {
     const report_row *best = NULL;
     for (size_t i = 0; i < rows->count; i++) {
         const report_row *row = &rows->rows[i];
-        if (report_is_mean(row) && report_is_hard(row) == hard && report_row_ms(row) <= ms &&
-            (!best || compare_errors(row, best, error_of) < 0))
+        if (!report_is_mean(row) || report_is_hard(row) != hard || report_row_ms(row) > ms)
+            continue;
+        const int compared = best ? compare_errors(row, best, error_of) : -1;
+        if (compared < 0 || (compared == 0 && report_row_ms(row) < report_row_ms(best)))
             best = row;
     }
     return best;

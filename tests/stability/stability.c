@@ -88,7 +88,7 @@ static bool read_options(int argc, char **argv, stability_options *options, int 
         {"--pcss", "N", "judge pcss likewise, of a light whose widest kernel has N texels across",
          ARGUMENT_COUNT, &options->pcss, 1, 63},
         {"--size", "N", "texels on a side of maps where the case is not about it (1024)",
-         ARGUMENT_COUNT, &options->map_size, 1, 16384},
+         ARGUMENT_COUNT, &options->map_size, 8, SHB_SIZE_MAX},
         {"--named", NULL, "name fragments by triangle and weights, not by rounded positions",
          ARGUMENT_FLAG, &options->named, 0, 0},
         {"--tsv", NULL, "print every row, tab-separated", ARGUMENT_FLAG, &options->tsv, 0, 0},
