@@ -4,6 +4,7 @@
 
 #include "kernels/raster.h"
 #include "kernels/shade.h"
+#include "shared_topologies.h"
 
 #include <float.h>
 #include <math.h>
@@ -12,6 +13,16 @@
 #include <unistd.h>
 
 enum { THREADS_MAX = 256, HOST_THREADS = 8, SENTENCE_MAX = 256 };
+
+/* A context and what only drawing knows of. */
+typedef struct whole_context {
+    shb_context context; /* first, so that its address is the whole one's */
+    shb_shared_topologies topologies;
+} whole_context;
+
+shb_shared_topologies *shb_context_topologies(shb_context *context) {
+    return &((whole_context *)(void *)context)->topologies;
+}
 
 /* Volatile operands keep the compiler from answering in place of the processor. */
 static bool rounds_to_nearest(void) {
@@ -90,7 +101,7 @@ shb_result shb_context_create(const shb_context_desc *desc, shb_context **contex
     made.isa = shb_cpu_isa(desc->max_isa);
     made.kernels = shb_kernels_of(made.isa);
     made.shade_kernels = shb_shade_kernels_of(made.isa);
-    shb_context *memory = shb_alloc(&made, 1, sizeof(made));
+    whole_context *memory = shb_alloc(&made, 1, sizeof(*memory));
     if (!memory)
         return shb_fail(&made, SHB_ERROR_MEMORY, "shb_context_create: no memory for the context");
     if (!made.parallel_for && made.threads > 1) {
@@ -102,8 +113,10 @@ shb_result shb_context_create(const shb_context_desc *desc, shb_context **contex
         }
         made.threads = shb_pool_threads(made.pool);
     }
-    *memory = made;
-    *context = memory;
+    memory->context = made;
+    memory->topologies.first = NULL;
+    pthread_mutex_init(&memory->topologies.mutex, NULL);
+    *context = &memory->context;
     return SHB_OK;
 }
 
@@ -117,6 +130,7 @@ void shb_context_destroy(shb_context *context) {
         return;
     const shb_context last = *context;
     shb_pool_destroy(&last, last.pool);
+    pthread_mutex_destroy(&shb_context_topologies(context)->mutex);
     free_buffers(&last, last.draw_scratch, sizeof(last.draw_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.occluder_scratch, sizeof(last.occluder_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.list_scratch, sizeof(last.list_scratch) / sizeof(shb_buffer));

@@ -6,6 +6,7 @@
 #include "occluder_planes.h"
 #include "padded_rows.h"
 #include "prepare.h"
+#include "shared_topologies.h"
 
 #include <math.h>
 #include <string.h>
@@ -74,7 +75,7 @@ static void release_drawn(const shb_context *context, shb_occluder_data *data) {
 
 void shb_occluders_destroy(shb_map *map) {
     release_drawn(map->context, &map->occluders);
-    shb_topology_release(map->context, &map->occluders.topology);
+    shb_topology_leave(map->context, &map->occluders.topology);
     shb_sheets_destroy(map->context, &map->occluders.sheets);
     shb_joints_destroy(map->context, &map->occluders.joints);
     shb_free(map->context, map->occluders.texels);
@@ -86,17 +87,7 @@ void shb_occluders_release(const shb_map *map, const shb_occluder_data *made) {
         if (made->kept[i].data != held->kept[i].data)
             shb_free(map->context, made->kept[i].data);
     shb_topology topology = made->topology;
-    if (topology.corners != held->topology.corners)
-        shb_topology_release(map->context, &topology);
-}
-
-/* The map's own if the scene is the same. */
-static bool find_topology(const shb_map *map, const shb_scene *scene, shb_topology *topology) {
-    const uint64_t key = shb_topology_key(scene);
-    *topology = map->occluders.topology;
-    return (topology->corners && topology->key == key &&
-            topology->triangle_count == shb_scene_triangle_count(scene)) ||
-           shb_topology_make(map->context, scene, key, topology);
+    shb_topology_leave(map->context, &topology);
 }
 
 /* Memory of an earlier drawing is taken from the context, and given back for the next one. */
@@ -146,7 +137,7 @@ static bool is_known(const shb_map *map, const shb_occluder_data *made) {
 static bool prepare_mesh(const shb_map *map, const shb_scene *scene, bool walks,
                          shb_occluder_data *made) {
     shb_context *context = map->context;
-    if (!find_topology(map, scene, &made->topology))
+    if (!shb_topology_join(context, scene, &made->topology))
         return false;
     if (walks && is_known(map, made)) {
         made->mesh = map->occluders.mesh;
@@ -166,6 +157,7 @@ bool shb_occluders_prepare(const shb_map *map, const shb_scene *scene, bool keep
     const size_t count = (size_t)shb_scene_triangle_count(scene);
     const bool walks = keeps && map->info.occluders == SHB_OCCLUDERS_TRIANGLES;
     *made = map->occluders;
+    made->topology = (shb_topology){0};
     made->mesh = (shb_light_mesh){0};
     made->plane_count = count;
     made->planes = NULL;
@@ -205,8 +197,7 @@ void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *mad
         return_kept(map->context, &map->occluders);
     if (is_new)
         release_drawn(context, &map->occluders);
-    if (map->occluders.topology.corners != made->topology.corners)
-        shb_topology_release(context, &map->occluders.topology);
+    shb_topology_leave(map->context, &map->occluders.topology);
     map->occluders = *made;
     shb_occluder_data *data = &map->occluders;
     data->mesh.topology = &data->topology;

@@ -51,7 +51,7 @@ typedef struct shb_map_info {
     shb_format format;
     double scene_scale;  /* diagonal of the box of what was drawn, or as given in the description */
     size_t memory_bytes; /* texels and their padding (a wrapped map's, too), what is kept of
-                            occluders and to classify, and what filters prepared */
+                            occluders, shared or not, and to classify, and what filters prepared */
     double draw_seconds; /* duration of the latest drawing, occluders included; 0: none yet */
     shb_occluders occluders;
 } shb_map_info;

@@ -1,0 +1,73 @@
+#include "strict.h"
+
+#include "shared_topologies.h"
+
+typedef struct shb_shared_topology {
+    shb_topology topology;
+    size_t users;
+    struct shb_shared_topology *next;
+} shared_topology;
+
+static bool join_used(shb_shared_topologies *shared, uint64_t key, uint64_t triangle_count,
+                      shb_topology *topology) {
+    pthread_mutex_lock(&shared->mutex);
+    shared_topology *found = shared->first;
+    while (found &&
+           (found->topology.key != key || found->topology.triangle_count != triangle_count))
+        found = found->next;
+    if (found) {
+        found->users++;
+        *topology = found->topology;
+    }
+    pthread_mutex_unlock(&shared->mutex);
+    return found != NULL;
+}
+
+static bool join_new(shb_context *context, const shb_scene *scene, uint64_t key,
+                     shb_topology *topology) {
+    shb_shared_topologies *shared = shb_context_topologies(context);
+    shared_topology *made = shb_alloc(context, 1, sizeof *made);
+    if (!made || !shb_topology_make(context, scene, key, topology)) {
+        shb_free(context, made);
+        return false;
+    }
+    made->topology = *topology;
+    made->users = 1;
+    pthread_mutex_lock(&shared->mutex);
+    made->next = shared->first;
+    shared->first = made;
+    pthread_mutex_unlock(&shared->mutex);
+    return true;
+}
+
+bool shb_topology_join(shb_context *context, const shb_scene *scene, shb_topology *topology) {
+    const uint64_t key = shb_topology_key(scene);
+    return join_used(shb_context_topologies(context), key, shb_scene_triangle_count(scene),
+                     topology) ||
+           join_new(context, scene, key, topology);
+}
+
+/* Taken out of the list if nobody uses it any more; else NULL. */
+static shared_topology *drop_user(shb_shared_topologies *shared, const shb_topology *topology) {
+    pthread_mutex_lock(&shared->mutex);
+    shared_topology **link = &shared->first;
+    while ((*link)->topology.corners != topology->corners)
+        link = &(*link)->next;
+    shared_topology *found = *link;
+    if (--found->users > 0)
+        found = NULL;
+    else
+        *link = found->next;
+    pthread_mutex_unlock(&shared->mutex);
+    return found;
+}
+
+void shb_topology_leave(shb_context *context, shb_topology *topology) {
+    if (!topology->corners)
+        return;
+    shared_topology *unused = drop_user(shb_context_topologies(context), topology);
+    if (unused)
+        shb_topology_release(context, topology);
+    shb_free(context, unused);
+    *topology = (shb_topology){0};
+}

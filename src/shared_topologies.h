@@ -1,0 +1,25 @@
+/* The topologies that maps of a context use: maps that were drawn with the same scene share one. */
+#ifndef SRC_SHARED_TOPOLOGIES_H
+#define SRC_SHARED_TOPOLOGIES_H
+
+#include "topology.h"
+
+#include <pthread.h>
+
+typedef struct shb_shared_topologies {
+    pthread_mutex_t mutex; /* maps may be destroyed while others are drawn */
+    struct shb_shared_topology *first;
+} shb_shared_topologies;
+
+/* context.c: those of a context. */
+shb_shared_topologies *shb_context_topologies(shb_context *context);
+
+/* One that a map uses already, or a new one; false: out of memory, or too many triangles. For the
+ * one call at a time that a context serves. */
+bool shb_topology_join(shb_context *context, const shb_scene *scene, shb_topology *topology);
+
+/* To be called once for each that was joined, on any thread; the last one frees it. *topology is
+ * empty then; nothing happens if it was. */
+void shb_topology_leave(shb_context *context, shb_topology *topology);
+
+#endif
