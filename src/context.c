@@ -4,7 +4,6 @@
 
 #include "kernels/raster.h"
 #include "kernels/shade.h"
-#include "shared_topologies.h"
 
 #include <float.h>
 #include <math.h>
@@ -13,16 +12,6 @@
 #include <unistd.h>
 
 enum { THREADS_MAX = 256, HOST_THREADS = 8, SENTENCE_MAX = 256 };
-
-/* A context and what only drawing knows of. */
-typedef struct whole_context {
-    shb_context context; /* first, so that its address is the whole one's */
-    shb_shared_topologies topologies;
-} whole_context;
-
-shb_shared_topologies *shb_context_topologies(shb_context *context) {
-    return &((whole_context *)(void *)context)->topologies;
-}
 
 /* Volatile operands keep the compiler from answering in place of the processor. */
 static bool rounds_to_nearest(void) {
@@ -101,7 +90,7 @@ shb_result shb_context_create(const shb_context_desc *desc, shb_context **contex
     made.isa = shb_cpu_isa(desc->max_isa);
     made.kernels = shb_kernels_of(made.isa);
     made.shade_kernels = shb_shade_kernels_of(made.isa);
-    whole_context *memory = shb_alloc(&made, 1, sizeof(*memory));
+    shb_context *memory = shb_alloc(&made, 1, sizeof(made));
     if (!memory)
         return shb_fail(&made, SHB_ERROR_MEMORY, "shb_context_create: no memory for the context");
     if (!made.parallel_for && made.threads > 1) {
@@ -113,10 +102,9 @@ shb_result shb_context_create(const shb_context_desc *desc, shb_context **contex
         }
         made.threads = shb_pool_threads(made.pool);
     }
-    memory->context = made;
-    memory->topologies.first = NULL;
-    pthread_mutex_init(&memory->topologies.mutex, NULL);
-    *context = &memory->context;
+    *memory = made;
+    pthread_mutex_init(&memory->topology_mutex, NULL);
+    *context = memory;
     return SHB_OK;
 }
 
@@ -130,7 +118,7 @@ void shb_context_destroy(shb_context *context) {
         return;
     const shb_context last = *context;
     shb_pool_destroy(&last, last.pool);
-    pthread_mutex_destroy(&shb_context_topologies(context)->mutex);
+    pthread_mutex_destroy(&context->topology_mutex);
     free_buffers(&last, last.draw_scratch, sizeof(last.draw_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.occluder_scratch, sizeof(last.occluder_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.list_scratch, sizeof(last.list_scratch) / sizeof(shb_buffer));

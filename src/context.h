@@ -6,6 +6,8 @@
 #include "scratch.h"
 #include "shadowbias/context.h"
 
+#include <pthread.h>
+
 /* Memory that grows and is kept, so that a warm context allocates nothing. */
 typedef struct shb_buffer {
     void *data;
@@ -26,9 +28,11 @@ struct shb_context {
     const struct shb_kernels *kernels; /* of the instruction set; NULL: scalar code */
     const struct shb_shade_kernels *shade_kernels;
     shb_buffer draw_scratch[SHB_SCRATCH_BUFFERS];
-    shb_buffer occluder_scratch[3]; /* named in map.h */
+    shb_buffer occluder_scratch[4]; /* named in map.h */
     shb_buffer list_scratch[SHB_LIST_BUFFERS];
     shb_buffer sheet_scratch[6]; /* named in sheets_bin.h */
+    pthread_mutex_t topology_mutex;
+    struct shb_shared_topology *topologies; /* those that maps use, see shared_topologies.h */
 };
 
 /* The C library's memory. */

@@ -47,8 +47,12 @@ enum {
     SHB_OCCLUDER_WORLD_PLANES,
     SHB_OCCLUDER_TRIANGLES,
     SHB_OCCLUDER_KEPT, /* how many there are of these */
-    SHB_OCCLUDER_INSTANCES = SHB_OCCLUDER_KEPT
+    SHB_OCCLUDER_INSTANCES = SHB_OCCLUDER_KEPT,
+    SHB_OCCLUDER_BUFFERS
 };
+_Static_assert(sizeof((shb_context *)0)->occluder_scratch ==
+                   SHB_OCCLUDER_BUFFERS * sizeof(shb_buffer),
+               "a buffer of the context for each name");
 
 /* What a map keeps of its occluders. */
 typedef struct shb_occluder_data {

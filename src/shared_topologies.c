@@ -8,10 +8,10 @@ typedef struct shb_shared_topology {
     struct shb_shared_topology *next;
 } shared_topology;
 
-static bool join_used(shb_shared_topologies *shared, uint64_t key, uint64_t triangle_count,
+static bool join_used(shb_context *context, uint64_t key, uint64_t triangle_count,
                       shb_topology *topology) {
-    pthread_mutex_lock(&shared->mutex);
-    shared_topology *found = shared->first;
+    pthread_mutex_lock(&context->topology_mutex);
+    shared_topology *found = context->topologies;
     while (found &&
            (found->topology.key != key || found->topology.triangle_count != triangle_count))
         found = found->next;
@@ -19,13 +19,12 @@ static bool join_used(shb_shared_topologies *shared, uint64_t key, uint64_t tria
         found->users++;
         *topology = found->topology;
     }
-    pthread_mutex_unlock(&shared->mutex);
+    pthread_mutex_unlock(&context->topology_mutex);
     return found != NULL;
 }
 
 static bool join_new(shb_context *context, const shb_scene *scene, uint64_t key,
                      shb_topology *topology) {
-    shb_shared_topologies *shared = shb_context_topologies(context);
     shared_topology *made = shb_alloc(context, 1, sizeof *made);
     if (!made || !shb_topology_make(context, scene, key, topology)) {
         shb_free(context, made);
@@ -33,24 +32,23 @@ static bool join_new(shb_context *context, const shb_scene *scene, uint64_t key,
     }
     made->topology = *topology;
     made->users = 1;
-    pthread_mutex_lock(&shared->mutex);
-    made->next = shared->first;
-    shared->first = made;
-    pthread_mutex_unlock(&shared->mutex);
+    pthread_mutex_lock(&context->topology_mutex);
+    made->next = context->topologies;
+    context->topologies = made;
+    pthread_mutex_unlock(&context->topology_mutex);
     return true;
 }
 
 bool shb_topology_join(shb_context *context, const shb_scene *scene, shb_topology *topology) {
     const uint64_t key = shb_topology_key(scene);
-    return join_used(shb_context_topologies(context), key, shb_scene_triangle_count(scene),
-                     topology) ||
+    return join_used(context, key, shb_scene_triangle_count(scene), topology) ||
            join_new(context, scene, key, topology);
 }
 
 /* Taken out of the list if nobody uses it any more; else NULL. */
-static shared_topology *drop_user(shb_shared_topologies *shared, const shb_topology *topology) {
-    pthread_mutex_lock(&shared->mutex);
-    shared_topology **link = &shared->first;
+static shared_topology *drop_user(shb_context *context, const shb_topology *topology) {
+    pthread_mutex_lock(&context->topology_mutex);
+    shared_topology **link = &context->topologies;
     while ((*link)->topology.corners != topology->corners)
         link = &(*link)->next;
     shared_topology *found = *link;
@@ -58,14 +56,14 @@ static shared_topology *drop_user(shb_shared_topologies *shared, const shb_topol
         found = NULL;
     else
         *link = found->next;
-    pthread_mutex_unlock(&shared->mutex);
+    pthread_mutex_unlock(&context->topology_mutex);
     return found;
 }
 
 void shb_topology_leave(shb_context *context, shb_topology *topology) {
     if (!topology->corners)
         return;
-    shared_topology *unused = drop_user(shb_context_topologies(context), topology);
+    shared_topology *unused = drop_user(context, topology);
     if (unused)
         shb_topology_release(context, topology);
     shb_free(context, unused);

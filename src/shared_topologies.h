@@ -4,16 +4,6 @@
 
 #include "topology.h"
 
-#include <pthread.h>
-
-typedef struct shb_shared_topologies {
-    pthread_mutex_t mutex; /* maps may be destroyed while others are drawn */
-    struct shb_shared_topology *first;
-} shb_shared_topologies;
-
-/* context.c: those of a context. */
-shb_shared_topologies *shb_context_topologies(shb_context *context);
-
 /* One that a map uses already, or a new one; false: out of memory, or too many triangles. For the
  * one call at a time that a context serves. */
 bool shb_topology_join(shb_context *context, const shb_scene *scene, shb_topology *topology);
