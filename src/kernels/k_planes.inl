@@ -364,8 +364,10 @@ static inline ALWAYS_INLINE vf second_miss(const shb_map *map, bool gathers,
     vf least = vf_splat(INFINITY), second = least;
     for (int k = 0; k < 4; k++) {
         vi inside;
-        const vf texel = read_lanes(map, gathers, vi_load(batch->column + i) + to_x[k],
-                                    vi_load(batch->row + i) + to_y[k], &inside);
+        /* fragments outside of the map may have the least number for a place */
+        const vu column = (vu)vi_load(batch->column + i) + (uint32_t)to_x[k];
+        const vu row = (vu)vi_load(batch->row + i) + (uint32_t)to_y[k];
+        const vf texel = read_lanes(map, gathers, (vi)column, (vi)row, &inside);
         const vf z = reversed ? -texel : texel;
         const vf rise = (float)to_x[k] * planes->slope_x + (float)to_y[k] * planes->slope_y;
         const vf depths = vf_abs(planes->stored) + vf_abs(z);
