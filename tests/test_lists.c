@@ -262,6 +262,18 @@ TEST(what_the_near_plane_cuts_blocks_before_all_corners_behind_it) {
     soup_free(&s);
 }
 
+/* Of two points the first one is lit and the second one not, however they are rounded. */
+static void check_first_is_lit(const shb_lists *lists, const double x[2], const double y[2],
+                               const double z[2]) {
+    for (int rounded = 0; rounded < 2; rounded++) {
+        const shb_list_points points = {
+            .count = 2, .x = x, .y = y, .z = z, .rounding = rounded ? 0x1p-24 : 0};
+        float visibility[2];
+        shb_lists_query(lists, &points, visibility);
+        CHECK(visibility[0] == 1 && visibility[1] == 0);
+    }
+}
+
 /* A slope from y = 5 down to y = -5 through the near plane at y = 0, where x is 1. Texels are half
  * a unit wide. */
 TEST(what_lies_before_the_near_plane_blocks_no_point_however_it_is_rounded) {
@@ -274,13 +286,7 @@ TEST(what_lies_before_the_near_plane_blocks_no_point_however_it_is_rounded) {
         shb_view view;
         CHECK_INT(shb_view_orthographic(eye, below, up, 8, 8, 0, 20, reversed, &view), SHB_OK);
         shb_lists *lists = lists_of(context, &view, 16, soup_scene(&s));
-        for (int rounded = 0; rounded < 2; rounded++) {
-            const shb_list_points points = {
-                .count = 2, .x = x, .y = y, .z = z, .rounding = rounded ? 0x1p-24 : 0};
-            float visibility[2];
-            shb_lists_query(lists, &points, visibility);
-            CHECK(visibility[0] == 1 && visibility[1] == 0);
-        }
+        check_first_is_lit(lists, x, y, z);
         shb_lists_destroy(lists);
     }
     shb_context_destroy(context);
@@ -407,13 +413,7 @@ TEST(points_before_a_steep_near_plane_are_lit) {
     shb_context *context = lists_context(1);
     shb_lists *lists = lists_of(context, &view, 16, soup_scene(&s));
     const double x[] = {-0.5, 0.5}, y[] = {-0.25, -0.25}, z[] = {-1, -1};
-    for (int rounded = 0; rounded < 2; rounded++) {
-        const shb_list_points points = {
-            .count = 2, .x = x, .y = y, .z = z, .rounding = rounded ? 0x1p-24 : 0};
-        float visibility[2];
-        shb_lists_query(lists, &points, visibility);
-        CHECK(visibility[0] == 1 && visibility[1] == 0);
-    }
+    check_first_is_lit(lists, x, y, z);
     shb_lists_destroy(lists);
     shb_context_destroy(context);
     soup_free(&s);

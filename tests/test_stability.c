@@ -137,19 +137,24 @@ TEST(maps_have_the_size_of_their_case_before_that_of_the_options) {
     shb_context_destroy(context);
 }
 
+static shb_errors errors_of_case(shb_context *context, const char *name, const char *method) {
+    const stability_case c = case_of(name);
+    stability_stage stage = stage_of(context, &c);
+    const shb_errors errors = errors_in(&stage, method);
+    stability_stage_close(&stage);
+    return errors;
+}
+
 /* Creases and thin walls, where every map without lists has errors somewhere. */
 TEST(lists_have_no_errors_away_from_boundaries) {
     static const char *const names[] = {"corner", "stair-sheet-600", "wall-0.1", "wedge-1",
                                         "slivers"};
     shb_context *context = test_context(2, SHB_ISA_BEST);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        const stability_case c = case_of(names[i]);
-        stability_stage stage = stage_of(context, &c);
-        const shb_errors errors = errors_in(&stage, "exact-lists");
+        const shb_errors errors = errors_of_case(context, names[i], "exact-lists");
         CHECK(errors.lit > 1000);
         CHECK_INT(errors.false_shadow, 0);
         CHECK_INT(errors.false_light, 0);
-        stability_stage_close(&stage);
     }
     shb_context_destroy(context);
 }
@@ -159,13 +164,10 @@ TEST(lists_have_no_errors_away_from_boundaries) {
 TEST(planes_leave_reliefs_finer_than_texels_in_their_own_light) {
     static const char *const names[] = {"relief-0.1", "relief-0.25", "relief-0.5"};
     shb_context *context = test_context(2, SHB_ISA_BEST);
-    for (size_t i = 0; i < 3; i++) {
-        const stability_case c = case_of(names[i]);
-        stability_stage stage = stage_of(context, &c);
-        const shb_errors errors = errors_in(&stage, "exact-planes");
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const shb_errors errors = errors_of_case(context, names[i], "exact-planes");
         CHECK(errors.lit > 1000);
         CHECK(errors.false_shadow_ppm < 2000);
-        stability_stage_close(&stage);
     }
     shb_context_destroy(context);
 }
@@ -175,13 +177,10 @@ TEST(planes_keep_the_shadows_of_sheets_that_lie_close) {
     static const char *const names[] = {"gap-1e-6", "gap-1e-5", "gap-1e-4", "contact-1e-4",
                                         "wedge-1"};
     shb_context *context = test_context(2, SHB_ISA_BEST);
-    for (size_t i = 0; i < 5; i++) {
-        const stability_case c = case_of(names[i]);
-        stability_stage stage = stage_of(context, &c);
-        const shb_errors errors = errors_in(&stage, "exact-planes");
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const shb_errors errors = errors_of_case(context, names[i], "exact-planes");
         CHECK(errors.shadowed > 500);
         CHECK_INT(errors.false_light, 0);
-        stability_stage_close(&stage);
     }
     shb_context_destroy(context);
 }
