@@ -139,13 +139,11 @@ static bool picture_method(soft_state *soft, const soft_pair *pair, const shb_so
     const uint32_t tile = (pair->filter_number + 1) * sheet_columns + 2 * pair->bias_number;
     char name[128], caption[64];
     snprintf(name, sizeof name, "soft-%s-%s", pair->method->name, pair->bias.name);
-    snprintf(caption, sizeof caption, "%s, light of %.2f", pair->method->name,
-             light_widths[PICTURED]);
-    if (!paint(soft, truth->seen) || !write_tile(soft, tile, name, caption))
+    if (!paint(soft, truth->seen) || !write_tile(soft, tile, name, pair->method->name))
         return false;
     soft_paint_errors(&soft->frame, truth, &soft->picture);
     snprintf(name, sizeof name, "soft-%s-%s-errors", pair->method->name, pair->bias.name);
-    snprintf(caption, sizeof caption, "%s, rms %.4f ssim %.4f", pair->bias.name, errors->rms,
+    snprintf(caption, sizeof caption, "%s %.4f %.4f", pair->bias.name, errors->rms,
              errors->similarity);
     return write_tile(soft, tile + 1, name, caption);
 }
