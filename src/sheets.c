@@ -34,8 +34,6 @@ shb_sheet_frame shb_sheet_frame_of(const shb_list_frame *list, double margin) {
     const double by_margin = (x > y ? x : y) * (1 + 0x1p-9) / margin;
     frame.least_w = by_margin > 0x1p10 * w ? by_margin : 0x1p10 * w;
     frame.reach = list->reach * (1 + 0x1p-22);
-    frame.rounding_z = list->rounding_z;
-    frame.rounding_w = list->rounding_w;
     return frame;
 }
 

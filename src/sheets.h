@@ -36,10 +36,9 @@
 
 typedef struct shb_sheet_frame {
     shb_list_frame list;
-    double margin;                 /* texels */
-    double least_w;                /* of points that can be told anything */
-    double reach;                  /* largest coordinate of such points */
-    double rounding_z, rounding_w; /* of a point's z w and w */
+    double margin;  /* texels */
+    double least_w; /* of points that can be told anything */
+    double reach;   /* largest coordinate of such points */
 } shb_sheet_frame;
 
 /* A texel's bound. The last bit of its significand is set where the texel is whole: the bound is

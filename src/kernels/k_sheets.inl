@@ -227,7 +227,7 @@ static void put_depths(const shb_sheet_tile *tile, const shb_list_corners *restr
     const shb_sheet_frame *frame = tile->frame;
     const double origin_x = tile->column + 0.5, origin_y = tile->row + 0.5;
     const double half = 0.5 + frame->margin;
-    const double rounding_z = frame->rounding_z, rounding_w = frame->rounding_w;
+    const double rounding_z = frame->list.rounding_z, rounding_w = frame->list.rounding_w;
     for (int i = 0; i < SHEET_LANES; i++) {
         const double x0 = c->x[0][i], y0 = c->y[0][i], z0 = c->z[0][i];
         const double x1 = c->x[1][i] - x0, y1 = c->y[1][i] - y0, z1 = c->z[1][i] - z0;
