@@ -232,7 +232,8 @@ uint16_t shb_list_triangle_cut(const shb_list_frame *frame, const double corners
     if (!(l.least_w > 2 * frame->errors[3] && fabs(p.z.value) > 2 * p.z.error))
         return level;
     double plane[3];
-    const double bound = prepare_plane(frame, &l, &p, plane) * (1 + 0x1p-22);
+    const double bound =
+        (prepare_plane(frame, &l, &p, plane) + SHB_LIST_LEAST_BOUND) * (1 + 0x1p-22);
     if (!(bound < (double)HUGE_VALF))
         return level;
     triangle->bound = (float)bound;

@@ -10,6 +10,10 @@
 
 #include "lists_frame.h"
 
+/* Added to bounds of depths: more than is lost where depths, and slopes times the texels of a tile,
+ * are so small that floats have no finer steps. */
+#define SHB_LIST_LEAST_BOUND 0x1p-136
+
 /* One cache line: all that most questions read. */
 typedef struct shb_list_triangle {
     /* x, y, one: the distance behind the plane is Z + x X + y Y + one */

@@ -26,7 +26,7 @@
 
 enum { LIST_LANES = SHB_LIST_LANES };
 
-/* A bound of a depth in float, not below the value. */
+/* A bound in float, not below the value. */
 #define ROUNDED_UP(value) ((float)((value) * (1 + 0x1p-22)))
 
 static inline double list_min(double a, double b) {
@@ -175,8 +175,8 @@ static void prepare_planes(const shb_list_frame *frame, const shb_list_corners *
         out->plane[0][i] = known ? -slope_x : 0.0;
         out->plane[1][i] = known ? -slope_y : 0.0;
         out->plane[2][i] = known ? -one : 0.0;
-        out->bound[i] = known ? ROUNDED_UP(bound) : HUGE_VALF;
-        out->clear[i] = known ? ROUNDED_UP(clear) : HUGE_VALF;
+        out->bound[i] = known ? ROUNDED_UP(bound + SHB_LIST_LEAST_BOUND) : HUGE_VALF;
+        out->clear[i] = known ? ROUNDED_UP(clear + SHB_LIST_LEAST_BOUND) : HUGE_VALF;
         const double steep = fabs(slope_x) + fabs(slope_y);
         out->is_known[i] = known & (margin < 0x1p-1) &
                            (spread->x[i] + spread->y[i] < SHB_LIST_CORNER) &
