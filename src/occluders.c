@@ -17,7 +17,7 @@ static double diagonal_slope(const shb_map *map) {
     const shb_projection *p = &map->projection;
     const shb_light_rows *rows = &map->rows;
     const double ww = shb_dot(rows->w, rows->w);
-    double near_w = 1;
+    double near_w = rows->w[3];
     if (ww > 0) {
         const double near_depth = map->info.view.reversed ? -1 : 0;
         near_w = p->depth_scale / sqrt(ww) / (shb_dot(rows->z, rows->w) / ww - near_depth);
