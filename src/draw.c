@@ -28,7 +28,7 @@ static shb_result check_depth_image(const shb_context *context, const shb_draw_d
         return shb_fail(context, SHB_ERROR_ARGUMENT,
                         "shb_draw: desc.%s.stride %zu is no multiple of %zu or below a row of %zu",
                         field, image->stride, size, desc->width * size);
-    if (image->stride > SIZE_MAX / desc->height)
+    if (image->stride > PTRDIFF_MAX / desc->height)
         return shb_fail(context, SHB_ERROR_SIZE,
                         "shb_draw: desc.%s.stride %zu times %u rows overflows", field,
                         image->stride, desc->height);
@@ -46,7 +46,7 @@ static shb_result check_ids(const shb_context *context, const shb_draw_desc *des
         return shb_fail(context, SHB_ERROR_ARGUMENT,
                         "shb_draw: desc.id_stride %zu is no multiple of 4 or below a row of %zu",
                         desc->id_stride, row);
-    if (desc->id_stride > SIZE_MAX / desc->height)
+    if (desc->id_stride > PTRDIFF_MAX / desc->height)
         return shb_fail(context, SHB_ERROR_SIZE,
                         "shb_draw: desc.id_stride %zu times %u rows overflows", desc->id_stride,
                         desc->height);

@@ -84,6 +84,10 @@ TEST(wrong_fields_are_refused_by_name) {
     CHECK_REFUSED(desc.depth.stride, WIDTH * 4 - 4, SHB_ERROR_ARGUMENT, "desc.depth.stride 76");
     CHECK_REFUSED(desc.second.stride, 2, SHB_ERROR_ARGUMENT, "desc.second.stride 2");
     CHECK_REFUSED(desc.second.stride, SIZE_MAX - 3, SHB_ERROR_SIZE, "desc.second.stride");
+    CHECK_REFUSED(desc.second.stride, (size_t)PTRDIFF_MAX / HEIGHT / 4 * 4 + 4, SHB_ERROR_SIZE,
+                  "desc.second.stride");
+    CHECK_REFUSED(desc.id_stride, (size_t)PTRDIFF_MAX / HEIGHT / 4 * 4 + 4, SHB_ERROR_SIZE,
+                  "desc.id_stride");
     CHECK_REFUSED(desc.id_stride, WIDTH * 4 - 4, SHB_ERROR_ARGUMENT, "desc.id_stride 76");
     CHECK_REFUSED(desc.id_stride, WIDTH * 4 + 1, SHB_ERROR_ARGUMENT, "desc.id_stride 81");
     CHECK_REFUSED(desc.id_stride, SIZE_MAX - 3, SHB_ERROR_SIZE, "desc.id_stride");
