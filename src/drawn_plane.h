@@ -26,7 +26,9 @@
  * last place. A covered sample is within 1/512 pixel of the triangle: its depth is at most D, the
  * largest size of a corner's depth + |gx| + |gy|. With P the power of two at or below D, all is
  *     u P, for plain ones 4 u M more                                                           (3)
- * (from beyond 2 P more may be rounded off, but not below 2 P, where no true depth is).
+ * (from beyond 2 P more may be rounded off, but not below 2 P, where no true depth is). Below
+ * 2^-126 floats have steps of 2^-149 throughout, and with slopes times less than 2^14 samples all
+ * is less than 2^-134 there.
  *
  * The plane is raised by the bound of its choice, (2) and (3), and 2^-10 of that for terms of
  * second order. So what is drawn lies behind the plane that was chosen by no more than twice that:
@@ -143,7 +145,7 @@ static inline void shb_plane_raise(double bound, int32_t width, int32_t height, 
     const double power = shb_power_of_two(largest + (steep_x + steep_y));
     const double floats = u * (power + (plane->is_plain ? 4 * across : 0));
     const double doubles = 8 * e * (fabs(plane->z0) + across);
-    plane->z0 += (bound + (floats + doubles)) * (1 + 0x1p-10);
+    plane->z0 += (bound + (floats + doubles)) * (1 + 0x1p-10) + 0x1p-134;
     plane->hi = SHB_DEPTH_CEILING;
 }
 

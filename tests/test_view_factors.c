@@ -1,4 +1,5 @@
-/* Matrices are homogeneous: a view is the same whatever its matrix is multiplied by. */
+/* Matrices are homogeneous: a view is the same whatever its matrix is multiplied by. And how deep
+ * it is matters only where depths are too small for floats. */
 #include "asked_map.h"
 #include "probe.h"
 #include "test.h"
@@ -11,25 +12,25 @@ typedef struct factor_answers {
     uint8_t certain[ASKED_POINTS];
 } factor_answers;
 
-/* Of a map with the view times 2^exponent. */
-static void ask_view(shb_context *context, shb_view view, int exponent, shb_occluders occluders,
+/* Certain answers are left as they are where the map does not give any. */
+static void ask_view(shb_context *context, const shb_map_desc *desc, const shb_filter *filter,
                      soup *s, const asked_points *given, factor_answers *out) {
-    for (int i = 0; i < 16; i++)
-        view.clip_from_world.m[i] = ldexp(view.clip_from_world.m[i], exponent);
-    const shb_map_desc desc = {
-        .view = view, .width = 96, .occluders = occluders, .classifies = true};
     const shb_points points = {
         .count = ASKED_POINTS, .positions = given->positions, .normals = given->normals};
-    const shb_bias bias = occluders ? shb_bias_exact() : shb_bias_adaptive(1e-4f, 0);
-    const shb_filter filter = occluders == SHB_OCCLUDERS_LISTS
-                                  ? shb_filter_hard()
-                                  : shb_filter_pcf(3, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+    const shb_bias bias = desc->occluders ? shb_bias_exact() : shb_bias_adaptive(1e-4f, 0);
     shb_map *map = NULL;
-    CHECK_INT(shb_map_create(context, &desc, &map), SHB_OK);
+    CHECK_INT(shb_map_create(context, desc, &map), SHB_OK);
     CHECK_INT(shb_map_draw(map, soup_scene(s), NULL, NULL), SHB_OK);
-    CHECK_INT(shb_map_visibility(map, &points, &bias, &filter, out->visibility), SHB_OK);
-    CHECK_INT(shb_map_classify(map, &points, out->certain), SHB_OK);
+    CHECK_INT(shb_map_visibility(map, &points, &bias, filter, out->visibility), SHB_OK);
+    if (desc->classifies)
+        CHECK_INT(shb_map_classify(map, &points, out->certain), SHB_OK);
     shb_map_destroy(map);
+}
+
+static shb_view times_power(shb_view view, int exponent) {
+    for (int i = 0; i < 16; i++)
+        view.clip_from_world.m[i] = ldexp(view.clip_from_world.m[i], exponent);
+    return view;
 }
 
 static void check_factors(shb_view view, soup *s, const asked_points *given) {
@@ -37,10 +38,16 @@ static void check_factors(shb_view view, soup *s, const asked_points *given) {
     shb_context *context = NULL;
     CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
     for (int occluders = 0; occluders <= SHB_OCCLUDERS_LISTS; occluders++) {
+        const shb_filter filter = occluders == SHB_OCCLUDERS_LISTS
+                                      ? shb_filter_hard()
+                                      : shb_filter_pcf(3, SHB_UNIT_TEXEL, SHB_TAPS_PLANE);
+        shb_map_desc desc = {
+            .view = view, .width = 96, .occluders = (shb_occluders)occluders, .classifies = true};
         factor_answers expected, out;
-        ask_view(context, view, 0, (shb_occluders)occluders, s, given, &expected);
+        ask_view(context, &desc, &filter, s, given, &expected);
         for (size_t i = 0; i < sizeof exponents / sizeof *exponents; i++) {
-            ask_view(context, view, exponents[i], (shb_occluders)occluders, s, given, &out);
+            desc.view = times_power(view, exponents[i]);
+            ask_view(context, &desc, &filter, s, given, &out);
             test_check(memcmp(&out, &expected, sizeof out) == 0, __FILE__, __LINE__,
                        "occluders %d, factor 2^%d", occluders, exponents[i]);
         }
@@ -60,4 +67,32 @@ TEST(answers_are_the_same_whatever_the_view_is_multiplied_by) {
         check_factors(probe_perspective(reversed), &s, &given);
         soup_free(&s);
     }
+}
+
+/* Down to depths that are nothing in floats. What that leaves open is lit. */
+TEST(planes_shadow_nothing_more_the_deeper_the_view_is) {
+    static asked_points given;
+    static factor_answers expected, deep;
+    soup s = {0};
+    asked_scene_add(&s);
+    asked_scene_add_relief(&s);
+    asked_points_fill(&s, 6, &given);
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    for (int reversed = 0; reversed < 2; reversed++) {
+        shb_map_desc desc = {
+            .view = probe_orthographic(reversed), .width = 96, .occluders = SHB_OCCLUDERS_PLANES};
+        ask_view(context, &desc, NULL, &s, &given, &expected);
+        for (int exponent = 8; exponent < 300; exponent += 8) {
+            for (int column = 0; column < 4; column++)
+                desc.view.clip_from_world.m[4 * column + 2] *= 0x1p-8;
+            ask_view(context, &desc, NULL, &s, &given, &deep);
+            size_t darker = 0;
+            for (int i = 0; i < ASKED_POINTS; i++)
+                darker += deep.visibility[i] < expected.visibility[i];
+            CHECK_INT(darker, 0);
+        }
+    }
+    shb_context_destroy(context);
+    soup_free(&s);
 }
