@@ -1,6 +1,7 @@
 # libshadowbias: make, make demo, make check, make bench, make peers,
 #   make stability, make report (QUICK=1, PEERS=1), make readme-report, make install.
-#   config=release|debug|sanitize|coverage   V=1 shows the commands   CC=clang   CFLAGS, PREFIX, DESTDIR
+#   config=release|debug|sanitize|thread|coverage   V=1 shows the commands   CC=clang   CFLAGS,
+#   PREFIX, DESTDIR
 
 CC ?= cc
 AR ?= ar
@@ -14,9 +15,10 @@ STRICT := -std=c11 -ffp-contract=off -fno-math-errno -D_POSIX_C_SOURCE=200809L
 FLAGS_release := -O3 -DNDEBUG
 FLAGS_debug := -O0 -g
 FLAGS_sanitize := -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+FLAGS_thread := -O1 -g1 -fsanitize=thread
 FLAGS_coverage := -O0 -g --coverage
 ifeq ($(FLAGS_$(config)),)
-$(error config=$(config) is not one of release, debug, sanitize, coverage)
+$(error config=$(config) is not one of release, debug, sanitize, thread, coverage)
 endif
 BASE := $(STRICT) $(WARNINGS) $(FLAGS_$(config)) -MMD -MP -Iinclude
 FLAGS = $(BASE) $(CFLAGS)
