@@ -8,6 +8,7 @@
 #include "strict.h"
 
 #include "backprojection.h"
+#include "method_text.h"
 
 enum { SAMPLES = SHB_PARAM_WINDOW + 1 };
 
@@ -90,7 +91,7 @@ static shb_result prepare(const shb_map *map, const shb_filter *filter, void **p
     if (samples != 64 && samples != SAMPLES_MAX)
         return shb_fail(map->context, SHB_ERROR_ARGUMENT,
                         "shb_map_prepare: samples %g of the filter \"%s\" is not 64 or %d",
-                        (double)samples, filter->name, SAMPLES_MAX);
+                        (double)samples, shb_method_name(filter->name), SAMPLES_MAX);
     return shb_backprojection_prepare(map, filter, prepared, bytes);
 }
 

@@ -5,6 +5,10 @@
 #include <float.h>
 #include <string.h>
 
+const char *shb_method_name(const char *name) {
+    return name ? name : "unnamed";
+}
+
 static bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }

@@ -4,6 +4,9 @@
 
 #include "shadowbias/base.h"
 
+/* What sentences call a method or filter: a host's own may have no name. */
+const char *shb_method_name(const char *name);
+
 /* True if the text's name part is name. */
 bool shb_text_has_name(const char *text, const char *name);
 

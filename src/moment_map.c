@@ -4,6 +4,7 @@
 
 #include "filter_check.h"
 #include "kernels/moments.h"
+#include "method_text.h"
 
 shb_result shb_filter_check_size(const shb_map *map, const shb_filter *filter, float size) {
     const shb_result result =
@@ -12,7 +13,7 @@ shb_result shb_filter_check_size(const shb_map *map, const shb_filter *filter, f
         return result;
     return shb_fail(map->context, SHB_ERROR_ARGUMENT,
                     "shb_map_prepare: size %g of the filter \"%s\" is not odd", (double)size,
-                    filter->name);
+                    shb_method_name(filter->name));
 }
 
 /* NULL: no memory. */

@@ -15,12 +15,14 @@
 
 static const shb_vec3 no_up = {0, 0, 0};
 
-/* A view that has no light is one of numbers too large or too small for doubles. */
+/* A view that has no inverse or no light is one of numbers too large or too small for doubles. */
 static shb_result finish(shb_mat4 clip_from_eye, shb_mat4 eye_from_world, bool reversed,
                          shb_view *view) {
     const shb_view made = {shb_mat4_multiply(clip_from_eye, eye_from_world), reversed};
+    shb_mat4 inverse;
     shb_light_source light;
-    if (shb_view_light_source(&made, &light) != SHB_OK)
+    if (shb_mat4_inverse(made.clip_from_world, &inverse) != SHB_OK ||
+        shb_view_light_source(&made, &light) != SHB_OK)
         return SHB_ERROR_NUMBER;
     *view = made;
     return SHB_OK;

@@ -1,4 +1,5 @@
 #include "map.h"
+#include "method_text.h"
 #include "prepare.h"
 #include "triples.h"
 #include "visibility.h"
@@ -13,12 +14,8 @@ bool shb_visibility_needs_normals(const shb_map *map, const shb_bias *bias,
     return by_planes || needs & (SHB_NEEDS_NORMAL | SHB_NEEDS_SLOPE);
 }
 
-static const char *name_or_unnamed(const char *name) {
-    return name ? name : "unnamed";
-}
-
 static const char *name_of(const shb_bias *bias) {
-    return name_or_unnamed(bias->name);
+    return shb_method_name(bias->name);
 }
 
 /* True if the map's depths are those that the method works on. */
@@ -45,12 +42,12 @@ static shb_result check_occluders(const shb_map *map, const char *caller, const 
     if (filter && !filter->exact)
         return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
                         "%s: the method \"%s\" asks occluders, which the filter \"%s\" cannot",
-                        caller, name_of(bias), name_or_unnamed(filter->name));
+                        caller, name_of(bias), shb_method_name(filter->name));
     if (filter && filter->needs & SHB_NEEDS_SAMPLES && map->info.occluders == SHB_OCCLUDERS_LISTS)
         return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
                         "%s: the filter \"%s\" asks the occluder of each texel, and "
                         "desc.occluders of the map are lists",
-                        caller, name_or_unnamed(filter->name));
+                        caller, shb_method_name(filter->name));
     return SHB_OK;
 }
 
@@ -70,7 +67,7 @@ static shb_result check_prepared(const shb_map *map, const char *caller, const s
         return SHB_OK;
     return shb_fail(map->context, SHB_ERROR_UNSUPPORTED,
                     "%s: the filter \"%s\" needs shb_map_prepare after the map was drawn", caller,
-                    name_or_unnamed(filter->name));
+                    shb_method_name(filter->name));
 }
 
 shb_result shb_visibility_check(const shb_map *map, const char *caller, const shb_bias *bias,

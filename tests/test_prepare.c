@@ -305,3 +305,31 @@ TEST(a_filter_that_prepares_nothing_has_nothing_to_release) {
     CHECK_INT(releases, 1);
     CHECK_INT(releases_of_nothing, 0);
 }
+
+/* Every built-in filter that checks a parameter. */
+TEST(sentences_name_filters_without_a_name_unnamed) {
+    test_log log = {0};
+    const shb_context_desc desc = {.threads = 1, .log = test_log_keep, .log_user = &log};
+    const shb_map_desc map_desc = {.view = probe_orthographic(false), .width = SIZE};
+    shb_context *context = NULL;
+    shb_map *map = NULL;
+    CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+    CHECK_INT(shb_map_create(context, &map_desc, &map), SHB_OK);
+    size_t count;
+    const shb_filter_method *methods = shb_filter_methods(&count);
+    int refused = 0;
+    for (size_t i = 0; i < count; i++)
+        for (int param = 0; param < SHB_PARAMS_MAX; param++) {
+            shb_filter filter = methods[i].make();
+            filter.name = NULL;
+            filter.params[param] = 2;
+            if (shb_map_prepare(map, &filter) == SHB_OK)
+                continue;
+            refused++;
+            test_check(strstr(log.sentence, "\"unnamed\"") != NULL, __FILE__, __LINE__, "%s",
+                       log.sentence);
+        }
+    CHECK(refused > 3);
+    shb_map_destroy(map);
+    shb_context_destroy(context);
+}

@@ -394,6 +394,30 @@ TEST(spot_fit_of_a_distant_point_holds_it) {
     }
 }
 
+TEST(views_have_an_inverse_or_are_refused) {
+    const shb_vec3 to_light = {1, 2, 3};
+    int refused = 0;
+    for (int exponent = 0; exponent < 1000; exponent += 40) {
+        const double far = ldexp(1, exponent);
+        const shb_vec3 eye = {-3 * far, -2, -1}, target = {0, 1, 1};
+        const shb_box box = {{0, 0, 0}, {1, 1, far}};
+        shb_view views[4];
+        const shb_result results[4] = {
+            shb_view_perspective(eye, target, up, 1, 1, 0.1, 10, false, &views[0]),
+            shb_view_orthographic(eye, target, up, 1, 1, 0, 10, false, &views[1]),
+            shb_view_fit_directional(to_light, box, 64, false, &views[2]),
+            shb_view_fit_spot(eye, box, 64, false, &views[3])};
+        for (int i = 0; i < 4; i++) {
+            shb_mat4 inverse;
+            refused += results[i] == SHB_ERROR_NUMBER;
+            CHECK(results[i] == SHB_ERROR_NUMBER ||
+                  shb_mat4_inverse(views[i].clip_from_world, &inverse) == SHB_OK);
+            CHECK(exponent > 0 || results[i] == SHB_OK);
+        }
+    }
+    CHECK(refused > 0);
+}
+
 TEST(light_source_of_cameras) {
     test_random random = {16};
     for (int i = 0; i < 500; i++) {
