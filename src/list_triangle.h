@@ -33,6 +33,16 @@ static inline double shb_list_behind(const shb_list_triangle *t, double x, doubl
     return ((t->plane[0] * x + t->plane[1] * y) + t->plane[2]) + depth;
 }
 
+/* How much each coordinate of a point changes its distance behind the plane, before the division by
+ * w. */
+static inline void shb_list_changes(const shb_list_frame *frame, const shb_list_triangle *t,
+                                    double changes[3]) {
+    const double(*rows)[4] = frame->rows;
+    for (int i = 0; i < 3; i++)
+        changes[i] = fabs((rows[2][i] + t->plane[0] * rows[0][i]) +
+                          (t->plane[1] * rows[1][i] + t->plane[2] * rows[3][i]));
+}
+
 /* Where the light sees a triangle: an outward bound. Texels, both ends included; none if the last
  * row is before the first, which is the last of all then. */
 typedef struct shb_list_box {

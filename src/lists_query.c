@@ -51,18 +51,16 @@ static double near_limit(const shb_list_frame *frame, const shb_ray *ray) {
  * were as large as the largest. */
 static double distance_rounding(const inquiry *q, const shb_list_triangle *t, size_t number,
                                 double *most) {
-    const double(*rows)[4] = q->lists->frame.rows;
-    double sum = 0, changes = 0, size = 0;
+    double changes[3], sum = 0, all = 0, size = 0;
+    shb_list_changes(&q->lists->frame, t, changes);
     for (int i = 0; i < 3; i++) {
-        const double change = fabs((rows[2][i] + t->plane[0] * rows[0][i]) +
-                                   (t->plane[1] * rows[1][i] + t->plane[2] * rows[3][i]));
         const double coordinate = fabs(q->g.world[i][number]);
-        sum += change * coordinate;
-        changes += change;
+        sum += changes[i] * coordinate;
+        all += changes[i];
         size = coordinate > size ? coordinate : size;
     }
     const double unit = (1 + 0x1p-20) * q->g.inverse_w[number] * q->rounding;
-    *most = changes * size * unit;
+    *most = all * size * unit;
     return sum * unit;
 }
 

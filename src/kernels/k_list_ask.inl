@@ -56,16 +56,6 @@ keep_covered(const shb_list_triangle *triangles, const shb_list_group *g, bool h
     return kept;
 }
 
-/* How much each coordinate of a point changes its distance behind the plane, before the division by
- * w. */
-static inline void list_changes(const shb_list_frame *frame, const shb_list_triangle *t,
-                                double changes[3]) {
-    const double(*rows)[4] = frame->rows;
-    for (int i = 0; i < 3; i++)
-        changes[i] = fabs((rows[2][i] + t->plane[0] * rows[0][i]) +
-                          (t->plane[1] * rows[1][i] + t->plane[2] * rows[3][i]));
-}
-
 static size_t answer_questions(const shb_list_frame *frame, const shb_list_triangle *triangles,
                                const shb_list_group *g, double rounding,
                                shb_list_question *questions, size_t count) {
@@ -80,7 +70,7 @@ static size_t answer_questions(const shb_list_frame *frame, const shb_list_trian
         const size_t first = shb_list_byte(&q, SHB_LIST_FIRST);
         const shb_list_triangle *t = &triangles[q.triangle];
         double changes[3];
-        list_changes(frame, t, changes);
+        shb_list_changes(frame, t, changes);
         const double most = ((changes[0] + changes[1]) + changes[2]) * least_rounding;
         const double bound = (double)t->bound, clear = (double)t->clear;
         const wd least = wd_splat(bound <= most ? bound : -bound);

@@ -8,6 +8,12 @@ typedef struct list_cells {
     uint32_t first_column, last_column, first_row, last_row;
 } list_cells;
 
+static inline list_cells cells_between(int32_t first_column, int32_t first_row, int32_t columns,
+                                       int32_t rows) {
+    const uint32_t column = (uint32_t)first_column, row = (uint32_t)first_row;
+    return (list_cells){column, column + (uint32_t)columns, row, row + (uint32_t)rows};
+}
+
 #include "k_list_batch.inl"
 #include "k_list_sheet.inl"
 
@@ -72,11 +78,6 @@ static inline __attribute__((always_inline)) void cover_window(shb_list_cover *c
     }
 }
 
-static inline list_cells cells_of(const list_batch *b, int t) {
-    const uint32_t column = (uint32_t)b->first_columns[t], row = (uint32_t)b->first_rows[t];
-    return (list_cells){column, column + (uint32_t)b->columns[t], row, row + (uint32_t)b->rows[t]};
-}
-
 /* The blocks in which the windows of a row begin that together hold a triangle's columns. */
 static inline uint32_t blocks_of(const list_cells *cells) {
     const uint32_t first = cells->first_column / SHB_LIST_BLOCK;
@@ -122,7 +123,8 @@ static inline uint32_t open_windows(const shb_list_cover *cover, const list_batc
 /* The windows begin at the triangle's first cell, so that most triangles need one. */
 static inline __attribute__((always_inline)) void
 cover_windows(shb_list_cover *cover, bool with_sheets, const list_batch *b, int t) {
-    const list_cells cells = cells_of(b, t);
+    const list_cells cells =
+        cells_between(b->first_columns[t], b->first_rows[t], b->columns[t], b->rows[t]);
     const uint32_t blocks = blocks_of(&cells), phase = cells.first_column % SHB_LIST_BLOCK;
     for (uint32_t row = cells.first_row; row <= cells.last_row; row += SHB_LIST_BLOCK) {
         uint32_t open = blocks;

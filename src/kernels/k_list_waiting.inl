@@ -49,10 +49,9 @@ static inline uint32_t hidden_of(const shb_list_cover *cover, const list_places 
     uint32_t bits = vi_bits(hidden);
     for (uint32_t larger = vi_bits(hidden & more); larger; larger &= larger - 1) {
         const int lane = __builtin_ctz(larger);
-        const uint32_t column = (uint32_t)places->first_columns[lane];
-        const uint32_t row = (uint32_t)places->first_rows[lane];
-        const list_cells cells = {column, column + (uint32_t)places->columns[lane], row,
-                                  row + (uint32_t)places->rows[lane]};
+        const list_cells cells =
+            cells_between(places->first_columns[lane], places->first_rows[lane],
+                          places->columns[lane], places->rows[lane]);
         if (!is_hidden(cover, &cells, nearest[lane]))
             bits &= ~(1u << lane);
     }
