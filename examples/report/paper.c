@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-double paper_overall_ms(const paper_row *row) {
+static double overall_ms(const paper_row *row) {
     return row->map_ms + row->camera_ms + row->shade_ms;
 }
 
@@ -28,7 +28,7 @@ shb_result paper_compare(const paper_output *output, soft_work *work, soft_work 
     row->map_ms = 1e3 * times[0].map;
     row->shade_ms = 1e3 * times[0].shade;
     row->camera_ms = 1e3 * camera.median;
-    row->ratio = paper_overall_ms(row) / (1e3 * (times[1].map + times[1].shade) + row->camera_ms);
+    row->ratio = overall_ms(row) / (1e3 * (times[1].map + times[1].shade) + row->camera_ms);
     return SHB_OK;
 }
 
@@ -46,7 +46,7 @@ static shb_result measure_case(const paper_output *output, const measure_frame *
     result = paper_compare(output, &work, beside, row);
     soft_work_destroy(&work);
     if (!c->filter && !result) {
-        row->ratio *= 1 - row->map_ms / paper_overall_ms(row);
+        row->ratio *= 1 - row->map_ms / overall_ms(row);
         row->map_ms = 0;
     }
     return result;
@@ -99,7 +99,7 @@ static void write_number(FILE *table, double value, bool is_there) {
 static void write_file_row(FILE *table, const char *what, const paper_row *row) {
     fprintf(table, "%s\t%s\t%u\t%s\t%.5g\t%.5g\t%.5g\t%.5g\t%.4g", what, row->group,
             (unsigned)row->map_size, row->method, row->map_ms, row->camera_ms, row->shade_ms,
-            paper_overall_ms(row), row->ratio);
+            overall_ms(row), row->ratio);
     write_number(table, row->paper, row->paper > 0);
     write_number(table, row->rms, !isnan(row->rms));
     write_number(table, row->ssim, !isnan(row->ssim));
@@ -118,7 +118,7 @@ static void write_page_row(FILE *section, const paper_row *row, bool judged) {
     write_cell(section, row->map_ms, true);
     write_cell(section, row->camera_ms, true);
     write_cell(section, row->shade_ms, true);
-    write_cell(section, paper_overall_ms(row), true);
+    write_cell(section, overall_ms(row), true);
     write_cell(section, row->ratio, true);
     write_cell(section, row->paper, row->paper > 0);
     if (judged) {
@@ -164,7 +164,7 @@ void paper_write_chart(const paper_output *output, const char *title, const char
         return;
     for (size_t i = 0; i < line_count; i++) {
         for (size_t k = 0; k < step_count; k++)
-            values[i][k] = paper_overall_ms(&rows[k * line_count + i]);
+            values[i][k] = overall_ms(&rows[k * line_count + i]);
         lines[i] = (chart_line){rows[i].method, values[i]};
     }
     const line_chart chart = {title, step_axis, "overall ms", steps, step_count, lines, line_count};

@@ -30,8 +30,6 @@ typedef struct paper_row {
     double rms, ssim;    /* NaN: not judged */
 } paper_row;
 
-double paper_overall_ms(const paper_row *row);
-
 /* A group over one frame of output->single's: count rows, in the order of the cases. */
 shb_result paper_measure(const paper_output *output, const measure_frame *frame,
                          scene_light_kind light, uint32_t map_size, const char *group,

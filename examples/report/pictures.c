@@ -25,7 +25,9 @@ void report_pictures_begin(const char *path, bool keep) {
     closedir(directory);
 }
 
-uint8_t report_truth_grey(uint8_t truth) {
+/* The grey of a pixel's truth, SHB_TRUTH_*: what does not count is black, what is lit is brighter
+ * than 150, and what lies at a boundary is 200 or 48. */
+static uint8_t truth_grey(uint8_t truth) {
     switch (truth) {
     case SHB_TRUTH_LIT:
         return 255;
@@ -106,7 +108,7 @@ shb_result report_picture_truth(const char *directory, const report_row *row,
     if (!greys)
         return SHB_ERROR_MEMORY;
     for (size_t i = 0; i < frame->fragment_count; i++)
-        greys[frame->pixels[i]] = report_truth_grey(truth[frame->pixels[i]]);
+        greys[frame->pixels[i]] = truth_grey(truth[frame->pixels[i]]);
     return write_greys(directory, REPORT_PICTURE_TRUTH, row, frame, greys, PNG_GREY);
 }
 

@@ -20,10 +20,6 @@ typedef enum report_picture {
 /* Makes the directory; pictures that are there already stay if keep, and are removed otherwise. */
 void report_pictures_begin(const char *path, bool keep);
 
-/* The greys of the truth, by SHB_TRUTH_*: what does not count is black, what is lit is brighter
- * than 150, and what lies at a boundary is 200 or 48. */
-uint8_t report_truth_grey(uint8_t truth);
-
 /* The name of a picture's file without directory and ending. */
 void report_picture_name(char *name, size_t size, report_picture kind, const report_row *row);
 

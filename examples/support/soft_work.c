@@ -44,7 +44,7 @@ static shb_result run_overall(void *state) {
     return result ? result : run_shade(state);
 }
 
-bench_work soft_work_map(soft_work *work) {
+static bench_work map_work(soft_work *work) {
     return (bench_work){run_map, work};
 }
 
@@ -108,7 +108,7 @@ shb_result soft_work_compare(soft_work *first, soft_work *second, bench_plan pla
                              soft_work_times times[2]) {
     bench_comparison map, shade;
     shb_result result =
-        bench_compare(soft_work_map(first), soft_work_map(second), BENCH_CLOCK_THREAD, plan, &map);
+        bench_compare(map_work(first), map_work(second), BENCH_CLOCK_THREAD, plan, &map);
     if (!result)
         result = bench_compare(soft_work_shade(first), soft_work_shade(second), BENCH_CLOCK_THREAD,
                                plan, &shade);

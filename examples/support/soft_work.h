@@ -30,10 +30,9 @@ void soft_work_destroy(soft_work *work);
 /* True if the filter serves the method. */
 bool soft_work_is_served(const char *bias, const char *filter);
 
-/* Drawing and preparing the map; the camera's view; visibility of all fragments; Lambert shading of
- * the frame; map and shading. */
+/* The camera's view; visibility of all fragments; Lambert shading of the frame; drawing and
+ * preparing the map, then shading. */
 bench_work soft_work_camera(soft_work *work);
-bench_work soft_work_map(soft_work *work);
 bench_work soft_work_visibility(soft_work *work);
 bench_work soft_work_shade(soft_work *work);
 bench_work soft_work_overall(soft_work *work);
