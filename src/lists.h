@@ -18,7 +18,7 @@
 
 #include "kernels/lists.h"
 #include "lists_scratch.h"
-#include "reference/ray.h"
+#include "ray.h"
 #include "shadowbias/scene.h"
 #include "sheets.h"
 

@@ -8,11 +8,11 @@
  *
  * The distance then follows from the triangle's plane, as an interval that holds the exact value.
  */
-#include "../strict.h"
+#include "strict.h"
 
 #include "ray.h"
 
-#include "../larger.h"
+#include "larger.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Rays from fragments to a light, and whether a triangle stands in their way. */
-#ifndef SRC_REFERENCE_RAY_H
-#define SRC_REFERENCE_RAY_H
+#ifndef SRC_RAY_H
+#define SRC_RAY_H
 
 #include "shadowbias/view.h"
 

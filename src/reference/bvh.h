@@ -3,7 +3,7 @@
 #define SRC_REFERENCE_BVH_H
 
 #include "../context.h"
-#include "ray.h"
+#include "../ray.h"
 
 /* One half of a node: a box and what it holds. */
 typedef struct shb_bvh_child {

@@ -3,7 +3,7 @@
 #define SRC_REFERENCE_EDGES_H
 
 #include "../context.h"
-#include "ray.h"
+#include "../ray.h"
 
 /* Half-edge 3 * t + k runs from corner k of triangle t to the next corner; the last corner is
  * opposite to it. Triangles without area have no half-edges here. */
