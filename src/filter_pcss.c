@@ -2,6 +2,7 @@
  * 2015, section 4.2). */
 #include "strict.h"
 
+#include "filter_check.h"
 #include "filter_needs.h"
 #include "kernels/shade.h"
 #include "pcss.h"
@@ -102,12 +103,9 @@ static void pcss_exact(const shb_filter_args *args) {
 
 static shb_result prepare(const shb_map *map, const shb_filter *filter, void **prepared,
                           size_t *bytes) {
-    (void)filter;
     shb_pyramid *pyramid = shb_pyramid_create(map, bytes);
     if (!pyramid)
-        return shb_fail(map->context, SHB_ERROR_MEMORY,
-                        "shb_map_prepare: no memory for the pyramid of %u by %u texels",
-                        (unsigned)map->info.width, (unsigned)map->info.height);
+        return shb_filter_no_memory(map, filter);
     *prepared = pyramid;
     return SHB_OK;
 }

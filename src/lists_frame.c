@@ -2,7 +2,7 @@
 
 #include "lists_frame.h"
 
-#include "matrix.h"
+#include "project.h"
 
 #include <float.h>
 #include <math.h>
@@ -48,16 +48,12 @@ shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t he
     const shb_result result = shb_view_light_source(view, &made.light);
     if (result)
         return result;
-    double x[4], y[4], z[4], w[4];
-    shb_mat4_row(&view->clip_from_world, 0, x);
-    shb_mat4_row(&view->clip_from_world, 1, y);
-    shb_mat4_row(&view->clip_from_world, 2, z);
-    shb_mat4_row(&view->clip_from_world, 3, w);
+    const shb_light_rows rows = shb_light_rows_of(view, width, height);
     for (int i = 0; i < 4; i++) {
-        made.rows[0][i] = (w[i] + x[i]) * (0.5 * made.width);
-        made.rows[1][i] = (w[i] - y[i]) * (0.5 * made.height);
-        made.rows[2][i] = view->reversed ? -z[i] : z[i];
-        made.rows[3][i] = w[i];
+        made.rows[0][i] = rows.x[i];
+        made.rows[1][i] = rows.y[i];
+        made.rows[2][i] = rows.z[i];
+        made.rows[3][i] = rows.w[i];
     }
     *frame = made;
     return SHB_OK;

@@ -93,7 +93,7 @@ static shb_result make_map(shb_context *context, const char *caller, const shb_m
                         "%s: the depth of desc.view does not grow away from the light with "
                         "desc.view.reversed %d, or the view is degenerate",
                         caller, desc->view.reversed);
-    made.rows = shb_light_rows_of(&made.projection);
+    made.rows = shb_light_rows_of(&desc->view, made.info.width, made.info.height);
     made.bounds = shb_light_bounds_of(&made.rows, made.info.width, made.info.height);
     *map = shb_alloc(context, 1, sizeof **map);
     if (!*map)

@@ -63,7 +63,7 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
     shb_mat4_row(matrix, 3, p.row_w);
     p.affine = p.row_w[0] == 0 && p.row_w[1] == 0 && p.row_w[2] == 0 && p.row_w[3] == 1;
 
-    const shb_light_rows rows = shb_light_rows_of(&p);
+    const shb_light_rows rows = shb_light_rows_of(&info->view, p.width, p.height);
     shb_cross(rows.x, rows.y, p.x_cross_y);
     shb_cross(rows.x, rows.w, p.x_cross_w);
     shb_cross(rows.y, rows.w, p.y_cross_w);
@@ -81,13 +81,16 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
     return SHB_OK;
 }
 
-shb_light_rows shb_light_rows_of(const shb_projection *p) {
+shb_light_rows shb_light_rows_of(const shb_view *view, double width, double height) {
     shb_light_rows rows;
+    shb_mat4_row(&view->clip_from_world, 0, rows.x);
+    shb_mat4_row(&view->clip_from_world, 1, rows.y);
+    shb_mat4_row(&view->clip_from_world, 2, rows.z);
+    shb_mat4_row(&view->clip_from_world, 3, rows.w);
     for (int i = 0; i < 4; i++) {
-        rows.x[i] = p->width / 2 * (p->row_w[i] + p->row_x[i]);
-        rows.y[i] = p->height / 2 * (p->row_w[i] - p->row_y[i]);
-        rows.z[i] = p->sign * p->row_z[i];
-        rows.w[i] = p->row_w[i];
+        rows.x[i] = width / 2 * (rows.w[i] + rows.x[i]);
+        rows.y[i] = height / 2 * (rows.w[i] - rows.y[i]);
+        rows.z[i] = view->reversed ? -rows.z[i] : rows.z[i];
     }
     return rows;
 }

@@ -19,8 +19,8 @@ shb_result shb_projection_init(const shb_map_info *info, shb_projection *project
 /* w at a distance of one from the light along its axis; under parallel rays, w everywhere. */
 double shb_projection_w(const shb_projection *projection);
 
-/* The same in texels and canonical depth. */
-shb_light_rows shb_light_rows_of(const shb_projection *projection);
+/* The rows of a view for a map of this size, texels. */
+shb_light_rows shb_light_rows_of(const shb_view *view, double width, double height);
 
 /* Places, and with_normals: normals, of the fragments with these ascending numbers, as a batch of
  * its own; the last one fills up the lanes. from: arrays, which to may hold. */
