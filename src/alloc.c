@@ -47,16 +47,13 @@ void shb_free(const shb_context *context, void *memory) {
         context->allocator.free(context->allocator.user, memory);
 }
 
-bool shb_buffer_reserve(const shb_context *context, shb_buffer *buffer, size_t count, size_t size) {
-    if (size && count > SIZE_MAX / size) {
-        shb_free(context, buffer->data);
-        *buffer = (shb_buffer){NULL, 0};
-        return false;
-    }
-    if (buffer->data && count * size <= buffer->size)
-        return true;
+void *shb_buffer_reserve(const shb_context *context, shb_buffer *buffer, size_t count,
+                         size_t size) {
+    const bool overflows = size && count > SIZE_MAX / size;
+    if (buffer->data && !overflows && count * size <= buffer->size)
+        return buffer->data;
     shb_free(context, buffer->data);
     buffer->data = shb_alloc(context, count, size);
     buffer->size = buffer->data ? count * size : 0;
-    return buffer->data != NULL;
+    return buffer->data;
 }

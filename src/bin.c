@@ -104,21 +104,23 @@ bool shb_bin_triangles(shb_context *context, const shb_geometry *geometry, const
     bins->rows = ((uint32_t)target->samples.last_row + tile_size) / tile_size;
     const uint64_t count = geometry->triangle_count;
     const uint64_t blocks = (count + TRIANGLES_PER_TASK - 1) / TRIANGLES_PER_TASK;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_RANGES], count, sizeof(tile_range)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_STATS], blocks, sizeof(shb_draw_stats)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_ENDS], (size_t)bins->columns * bins->rows,
-                            sizeof(size_t)))
+    tile_range *ranges =
+        shb_buffer_reserve(context, &scratch[SHB_SCRATCH_RANGES], count, sizeof *ranges);
+    shb_draw_stats *block_stats =
+        shb_buffer_reserve(context, &scratch[SHB_SCRATCH_STATS], blocks, sizeof *block_stats);
+    size_t *ends = shb_buffer_reserve(context, &scratch[SHB_SCRATCH_ENDS],
+                                      (size_t)bins->columns * bins->rows, sizeof *ends);
+    if (!ranges || !block_stats || !ends)
         return false;
-    bin_job job = {geometry, target, tile_size, scratch[SHB_SCRATCH_RANGES].data,
-                   scratch[SHB_SCRATCH_STATS].data};
+    bin_job job = {geometry, target, tile_size, ranges, block_stats};
     shb_parallel_for(context, prepare_block, &job, blocks);
     sum_stats(job.block_stats, blocks, stats);
-    size_t *ends = scratch[SHB_SCRATCH_ENDS].data;
     const size_t entries = find_starts(&job, bins, ends);
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_IDS], entries, sizeof(uint32_t)))
+    uint32_t *ids = shb_buffer_reserve(context, &scratch[SHB_SCRATCH_IDS], entries, sizeof *ids);
+    if (!ids)
         return false;
-    fill_lists(&job, bins, ends, scratch[SHB_SCRATCH_IDS].data);
+    fill_lists(&job, bins, ends, ids);
     bins->ends = ends;
-    bins->ids = scratch[SHB_SCRATCH_IDS].data;
+    bins->ids = ids;
     return true;
 }

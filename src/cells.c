@@ -19,9 +19,7 @@ size_t shb_cells_count(size_t width, size_t height) {
 float *shb_cells_reserve(shb_context *context, size_t count, size_t width, size_t height) {
     shb_buffer *buffer = &context->draw_scratch[SHB_SCRATCH_CELLS];
     return shb_buffer_reserve(context, buffer, count,
-                              2 * shb_cells_count(width, height) * sizeof(float))
-               ? buffer->data
-               : NULL;
+                              2 * shb_cells_count(width, height) * sizeof(float));
 }
 
 void shb_cells_reset(const shb_tile *tile) {

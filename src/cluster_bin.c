@@ -32,13 +32,16 @@ static void fill(const shb_chunks *chunks, int row_bits, size_t *cursors, uint32
 bool shb_clusters_bin(shb_context *context, const shb_chunks *chunks, int row_bits, size_t rows,
                       shb_cluster_bins *bins) {
     shb_buffer *scratch = context->draw_scratch;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CLUSTER_ENDS], rows, sizeof(size_t)))
+    size_t *ends =
+        shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CLUSTER_ENDS], rows, sizeof *ends);
+    if (!ends)
         return false;
-    size_t *ends = scratch[SHB_SCRATCH_CLUSTER_ENDS].data;
     const size_t entries = find_starts(chunks, row_bits, rows, ends);
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CLUSTER_ROWS], entries, sizeof(uint32_t)))
+    uint32_t *listed =
+        shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CLUSTER_ROWS], entries, sizeof *listed);
+    if (!listed)
         return false;
-    fill(chunks, row_bits, ends, scratch[SHB_SCRATCH_CLUSTER_ROWS].data);
-    *bins = (shb_cluster_bins){ends, scratch[SHB_SCRATCH_CLUSTER_ROWS].data};
+    fill(chunks, row_bits, ends, listed);
+    *bins = (shb_cluster_bins){ends, listed};
     return true;
 }

@@ -78,15 +78,16 @@ bool shb_clusters_list(shb_context *context, const shb_geometry *geometry, const
     const size_t tasks =
         (size_t)((geometry->cluster_count + CLUSTERS_PER_TASK - 1) / CLUSTERS_PER_TASK);
     shb_buffer *scratch = context->draw_scratch;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_VIEWS], geometry->instance_count,
-                            sizeof(shb_cluster_view)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_SEEN], tasks, sizeof(struct task_seen)))
+    shb_cluster_view *views = shb_buffer_reserve(context, &scratch[SHB_SCRATCH_VIEWS],
+                                                 geometry->instance_count, sizeof *views);
+    struct task_seen *seen =
+        shb_buffer_reserve(context, &scratch[SHB_SCRATCH_SEEN], tasks, sizeof *seen);
+    if (!views || !seen)
         return false;
-    shb_cluster_view *views = scratch[SHB_SCRATCH_VIEWS].data;
     for (size_t i = 0; i < geometry->instance_count; i++)
         if (geometry->instances[i].clusters)
             views[i] = shb_cluster_view_of(&geometry->instances[i], target);
-    list_job job = {geometry, target, views, chunks, scratch[SHB_SCRATCH_SEEN].data};
+    list_job job = {geometry, target, views, chunks, seen};
     shb_parallel_for(context, list_block, &job, tasks);
     for (size_t i = 0; i < tasks; i++) {
         memmove(chunks + *count, chunks + i * CLUSTERS_PER_TASK,

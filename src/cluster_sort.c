@@ -55,10 +55,10 @@ bool shb_clusters_sort(shb_context *context, const shb_target *target, size_t co
                        shb_chunk *chunks) {
     if (!are_layered(target, count, chunks))
         return true;
-    shb_buffer *buffer = &context->draw_scratch[SHB_SCRATCH_SORTED];
-    if (!shb_buffer_reserve(context, buffer, count, sizeof *chunks))
+    shb_chunk *sorted = shb_buffer_reserve(context, &context->draw_scratch[SHB_SCRATCH_SORTED],
+                                           count, sizeof *sorted);
+    if (!sorted)
         return false;
-    shb_chunk *sorted = buffer->data;
     size_t places[RANGES] = {0};
     const depth_range range = range_of(count, chunks);
     for (size_t i = 0; i < count; i++)

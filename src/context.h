@@ -45,9 +45,9 @@ void *shb_alloc(const shb_context *context, size_t count, size_t size);
 /* NULL is ignored. */
 void shb_free(const shb_context *context, void *memory);
 
-/* At least count * size bytes in the buffer, old contents lost when it grows; false: out of memory,
- * the buffer is then empty. */
-bool shb_buffer_reserve(const shb_context *context, shb_buffer *buffer, size_t count, size_t size);
+/* The buffer's memory, at least count * size bytes; old contents are lost when it grows. NULL: out
+ * of memory, the buffer is then empty. */
+void *shb_buffer_reserve(const shb_context *context, shb_buffer *buffer, size_t count, size_t size);
 
 /* Runs the tasks on the host's scheduler, the pool or the calling thread. */
 void shb_parallel_for(const shb_context *context, shb_task_fn *task, void *arg, size_t count);

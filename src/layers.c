@@ -109,11 +109,12 @@ shb_layers *shb_layers_reserve(shb_context *context, const shb_draw_desc *desc,
     const bool has_second = desc->second.texels || target->combines, has_ids = desc->ids != NULL;
     const size_t texels = pitch * rows, lane_texels = texels * (1u + has_second + has_ids);
     shb_buffer *scratch = context->draw_scratch;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_LANES], count, sizeof(shb_layers)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_LAYERS], count, lane_texels * 4))
+    shb_layers *lanes =
+        shb_buffer_reserve(context, &scratch[SHB_SCRATCH_LANES], count, sizeof *lanes);
+    float *layer = shb_buffer_reserve(context, &scratch[SHB_SCRATCH_LAYERS], count,
+                                      lane_texels * sizeof *layer);
+    if (!lanes || !layer)
         return NULL;
-    shb_layers *lanes = scratch[SHB_SCRATCH_LANES].data;
-    float *layer = scratch[SHB_SCRATCH_LAYERS].data;
     for (size_t i = 0; i < count; i++, layer += lane_texels)
         lanes[i] = (shb_layers){
             .pitch = pitch,

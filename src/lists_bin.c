@@ -74,32 +74,39 @@ static size_t sum_up(shb_list_bins *bins) {
     return sum;
 }
 
+/* Vectors read a box more than there are. */
+static bool reserve_shapes(const shb_list_loading *loading, shb_list_shapes *shapes) {
+    const shb_context *context = loading->lists->context;
+    shb_buffer *scratch = loading->lists->context->list_scratch;
+    const size_t count = loading->lists->id_count;
+    *shapes =
+        (shb_list_shapes){.boxes = shb_buffer_reserve(context, &scratch[SHB_LIST_BOXES], count + 1,
+                                                      sizeof *shapes->boxes),
+                          .levels = shb_buffer_reserve(context, &scratch[SHB_LIST_TRIANGLE_LEVELS],
+                                                       count, sizeof *shapes->levels)};
+    if (loading->names)
+        shapes->outlines = shb_buffer_reserve(context, &scratch[SHB_LIST_OUTLINES], count,
+                                              sizeof *shapes->outlines);
+    return shapes->boxes && shapes->levels && (shapes->outlines || !loading->names);
+}
+
 bool shb_list_bins_fill(const shb_list_loading *loading, shb_list_bins *bins) {
     shb_lists *lists = loading->lists;
     shb_buffer *scratch = lists->context->list_scratch;
     bins->tiles = (size_t)lists->tile_columns * lists->tile_rows;
     const size_t places = bins->tiles * SHB_LIST_PARTS;
-    shb_list_shapes *shapes = &bins->shapes;
-    /* Vectors read a box more than there are. */
-    if (!shb_buffer_reserve(lists->context, &scratch[SHB_LIST_BOXES], (size_t)lists->id_count + 1,
-                            sizeof *shapes->boxes) ||
-        !shb_buffer_reserve(lists->context, &scratch[SHB_LIST_TRIANGLE_LEVELS], lists->id_count,
-                            sizeof *shapes->levels) ||
-        (loading->names && !shb_buffer_reserve(lists->context, &scratch[SHB_LIST_OUTLINES],
-                                               lists->id_count, sizeof *shapes->outlines)) ||
-        !shb_buffer_reserve(lists->context, &scratch[SHB_LIST_ENDS], places, sizeof *bins->ends))
+    bins->ends =
+        shb_buffer_reserve(lists->context, &scratch[SHB_LIST_ENDS], places, sizeof *bins->ends);
+    if (!bins->ends || !reserve_shapes(loading, &bins->shapes))
         return false;
-    shapes->boxes = scratch[SHB_LIST_BOXES].data;
-    shapes->levels = scratch[SHB_LIST_TRIANGLE_LEVELS].data;
-    shapes->outlines = loading->names ? scratch[SHB_LIST_OUTLINES].data : NULL;
-    bins->ends = scratch[SHB_LIST_ENDS].data;
     memset(bins->ends, 0, places * sizeof *bins->ends);
     bin_job job = {loading, bins};
     shb_parallel_for(lists->context, load_and_count, &job, SHB_LIST_PARTS);
     const size_t total = sum_up(bins);
-    if (!shb_buffer_reserve(lists->context, &scratch[SHB_LIST_KEYS], total, sizeof *bins->keys))
+    bins->keys =
+        shb_buffer_reserve(lists->context, &scratch[SHB_LIST_KEYS], total, sizeof *bins->keys);
+    if (!bins->keys)
         return false;
-    bins->keys = scratch[SHB_LIST_KEYS].data;
     shb_parallel_for(lists->context, write_keys, &job, SHB_LIST_PARTS);
     return true;
 }

@@ -21,8 +21,7 @@ typedef struct build {
 typedef enum outcome { FITS, TOO_LARGE, NO_MEMORY } outcome;
 
 static void *reserve(const build *b, size_t number, size_t count, size_t size) {
-    shb_buffer *buffer = &b->context->list_scratch[number];
-    return shb_buffer_reserve(b->context, buffer, count, size) ? buffer->data : NULL;
+    return shb_buffer_reserve(b->context, &b->context->list_scratch[number], count, size);
 }
 
 /* What does not depend on the size. */

@@ -14,14 +14,11 @@ bool shb_sheet_bins_reserve(shb_context *context, const shb_map_info *info, size
     *bins = (shb_sheet_bins){.triangle_count = triangle_count,
                              .tile_columns = (info->width + TILE - 1) / TILE};
     bins->tile_count = bins->tile_columns * ((info->height + TILE - 1) / TILE);
-    if (!shb_buffer_reserve(context, &scratch[SHB_SHEET_BOXES], triangle_count,
-                            sizeof *bins->boxes) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SHEET_ENDS], bins->tile_count,
-                            PARTS * sizeof *bins->ends))
-        return false;
-    bins->boxes = scratch[SHB_SHEET_BOXES].data;
-    bins->ends = scratch[SHB_SHEET_ENDS].data;
-    return true;
+    bins->boxes = shb_buffer_reserve(context, &scratch[SHB_SHEET_BOXES], triangle_count,
+                                     sizeof *bins->boxes);
+    bins->ends = shb_buffer_reserve(context, &scratch[SHB_SHEET_ENDS], bins->tile_count,
+                                    PARTS * sizeof *bins->ends);
+    return bins->boxes && bins->ends;
 }
 
 /* The first triangle of a part. */
@@ -65,11 +62,10 @@ bool shb_sheet_bins_fill(shb_context *context, shb_sheet_bins *bins) {
         all += count;
     }
     shb_buffer *scratch = context->sheet_scratch;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SHEET_KEYS], all, sizeof *bins->keys) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SHEET_SPARE], all, sizeof *bins->spare))
+    bins->keys = shb_buffer_reserve(context, &scratch[SHB_SHEET_KEYS], all, sizeof *bins->keys);
+    bins->spare = shb_buffer_reserve(context, &scratch[SHB_SHEET_SPARE], all, sizeof *bins->spare);
+    if (!bins->keys || !bins->spare)
         return false;
-    bins->keys = scratch[SHB_SHEET_KEYS].data;
-    bins->spare = scratch[SHB_SHEET_SPARE].data;
     shb_parallel_for(context, write_part, bins, PARTS);
     return true;
 }

@@ -80,13 +80,12 @@ static void transform_vertex(const double m[16], const float *p, double v[4]) {
 
 bool shb_geometry_prepare(shb_context *context, const shb_draw_desc *desc, const shb_target *target,
                           shb_geometry *geometry) {
-    shb_buffer *scratch = context->draw_scratch;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_INSTANCES], desc->scene->instance_count,
-                            sizeof(shb_draw_instance)))
-        return false;
-    collect_instances(desc, target, context->kernels != NULL, scratch[SHB_SCRATCH_INSTANCES].data,
-                      geometry);
-    return true;
+    shb_draw_instance *instances =
+        shb_buffer_reserve(context, &context->draw_scratch[SHB_SCRATCH_INSTANCES],
+                           desc->scene->instance_count, sizeof *instances);
+    if (instances)
+        collect_instances(desc, target, context->kernels != NULL, instances, geometry);
+    return instances != NULL;
 }
 
 /* The last instance whose first vertex, triangle or cluster, the member at this offset, is at or
