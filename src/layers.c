@@ -2,10 +2,10 @@
 
 #include "layers.h"
 
-#include "half.h"
 #include "padded_rows.h"
 #include "scratch.h"
 #include "shadowbias/bias.h"
+#include "slopes.h"
 
 #include <string.h>
 
@@ -78,7 +78,7 @@ static uint32_t take_plane(const shb_plane_finder *finder, const shb_draw_instan
         bound = shb_plane_take(&found, 0, box->first_column, box->first_row, plane);
     }
     shb_plane_raise(bound, width, height, plane);
-    return shb_halves_of(plane->gx / finder->slope_unit, plane->gy / finder->slope_unit);
+    return shb_slopes_of(plane->gx / finder->slope_unit, plane->gy / finder->slope_unit);
 }
 
 void shb_layers_draw(const shb_layers *layers, const shb_target *target,

@@ -56,14 +56,13 @@ _Static_assert(sizeof((shb_context *)0)->occluder_scratch ==
 
 /* What a map keeps of its occluders. */
 typedef struct shb_occluder_data {
-    bool held;              /* by the latest drawing */
-    uint32_t *texels;       /* two halves: slopes in x (low) and y over slope_unit, both infinite or
-                               none; or a triangle's id */
-    size_t stride;          /* bytes */
-    double slope_unit;      /* a power of two, at most 1 */
-    shb_joints joints;      /* where the map keeps planes */
-    shb_quick_planes quick; /* the same */
-    size_t plane_count;     /* triangles of the scene */
+    bool held;                  /* by the latest drawing */
+    uint32_t *texels;           /* slopes in slope_unit (slopes.h), or a triangle's id */
+    size_t stride;              /* bytes */
+    double slope_unit;          /* a power of two, at most 2^-27 */
+    shb_joints joints;          /* where the map keeps planes */
+    shb_quick_planes quick;     /* the same */
+    size_t plane_count;         /* triangles of the scene */
     shb_occluder_plane *planes; /* in kept, as world_planes and what mesh points to */
     shb_world_plane *world_planes;
     shb_buffer kept[SHB_OCCLUDER_KEPT];

@@ -25,16 +25,16 @@ static double diagonal_slope(const shb_map *map) {
     return p->texel_scale * p->depth_scale / near_w;
 }
 
-/* 45 degrees become 4 .. 8 at the near plane: infinity begins at 89.98 degrees there, and a map
- * that is a thousand times deeper still has more than 2^-12 of them. At most 1, a whole map's
- * depth. */
+/* 45 degrees become 2^29 .. 2^30 at the near plane: slopes of more than 89.99 degrees are none
+ * there, and 1e6 times as far 45 degrees still are known by 2^-10 at least. At most 2^-27, which
+ * makes the largest slope a map's depth in a 2^16th of a texel. */
 static double choose_slope_unit(const shb_map *map) {
     const double slope = diagonal_slope(map);
     if (!(slope > 0x1p-500 && slope < 0x1p500))
-        return 1;
+        return 0x1p-27;
     int exponent;
     frexp(slope, &exponent);
-    return ldexp(1, exponent < 3 ? exponent - 3 : 0);
+    return ldexp(1, exponent < 3 ? exponent - 30 : -27);
 }
 
 bool shb_occluders_create(shb_map *map) {

@@ -46,15 +46,15 @@
  * from T + error nu - R, which is less than T + error nu.
  *
  * The occluder's plane passes in front of the fragment by d + s_x t_x + s_y t_y with the texel's
- * slopes, and the test's bound is at least 2^-11 (|s_x t_x| + |s_y t_y|), at most that and
- *     V = 2^-25 slope unit + u psi (1.04 s_z + .36 max(s_x, s_y) |slopes|).
- * In float, it is within 2^-22 |d| + 2^-21 (|s_x t_x| + |s_y t_y|). */
+ * slopes, and the test's bound is at least half a step of theirs by |t_x| + |t_y|, at most that and
+ *     V = u psi (1.04 s_z + .36 max(s_x, s_y) |slopes|).
+ * In float, it is within 2^-22 (|d| + |s_x t_x| + |s_y t_y|), and slopes are less than 2^13 steps:
+ * 2^-9 of a step by |t_x| + |t_y| and, with the bound's own rounding, no more than 2^-7. */
 #include "strict.h"
 
 #include "quick_planes.h"
 
 #include "exact.h"
-#include "half.h"
 
 #include <math.h>
 
@@ -113,7 +113,7 @@ shb_quick_planes shb_quick_planes_of(const shb_map *map) {
     const double beta_y = (fabs(from_top[3]) + height * fabs(w[3])) / size_y;
     const double beta_z = (fabs(z[3]) + 3 * fabs(w[3])) / size_z;
     const double beta = fmax(fmax(beta_x, beta_y), beta_z);
-    const bool known = in_range(slopes) && in_range(unit) && in_range(larger) && most < 0x1p20 &&
+    const bool known = in_range(slopes) && unit > 0x1p-67 && in_range(larger) && most < 0x1p20 &&
                        size_w < RANGE && beta < RANGE;
 
     shb_quick_planes quick = {
@@ -130,8 +130,7 @@ shb_quick_planes shb_quick_planes_of(const shb_map *map) {
         .own_by_normal = (float)(1.54 * slopes * 100 * E + 0x1p-46 + 2.3 * error),
         .own_by_place = (float)(1.54 * slopes * 1.4 * U * size_w + 8 * E * size_z),
         .own_by_w = (float)(1.05 * U * most / 3),
-        .slope_unit = (float)unit * 0x1p112f,
-        .occluder = known ? (float)(SHB_HALF_ABSOLUTE * unit * 1.01) : NAN,
+        .step_unit = (float)(unit * 0x1p63),
         .occluder_by_place = (float)(1.05 * U * size_z),
         .occluder_by_slope = (float)(0.37 * U * larger),
         .diagonal = (float)(map->projection.texel_scale * map->projection.depth_scale)};

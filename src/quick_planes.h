@@ -13,9 +13,9 @@ typedef struct shb_quick_planes {
     float beta;
     float farthest;              /* psi from which on nothing is surely shadowed */
     float steep, steep_by_place; /* what D has to be above: plain, by nu psi */
-    float own, own_by_normal, own_by_place, own_by_w;     /* U: plain, by nu, nu psi, nu psi / w */
-    float slope_unit;                                     /* of halves as k_mutual.inl reads them */
-    float occluder, occluder_by_place, occluder_by_slope; /* V: plain, by psi, psi and slopes */
+    float own, own_by_normal, own_by_place, own_by_w; /* U: plain, by nu, nu psi, nu psi / w */
+    float step_unit;                                  /* of the steps of slopes in k_slopes.inl */
+    float occluder_by_place, occluder_by_slope;       /* V: by psi, psi and slopes */
     float diagonal; /* what depth changes by on a texel at 45 degrees to the light, times w */
 } shb_quick_planes;
 

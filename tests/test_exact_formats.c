@@ -1,8 +1,8 @@
 /* Taps of the exact method by planes in maps of every format, before steep planes and on rough
  * surfaces: against the scalar test and sheets that are followed slowly. */
-#include "../src/half.h"
 #include "../src/occluders.h"
 #include "../src/poisson.h"
+#include "../src/slopes.h"
 
 #include "asked_map.h"
 #include "probe.h"
@@ -92,7 +92,7 @@ static bool has_unbounded_slopes(const shb_map *map) {
     bool found = false;
     for (int row = 0; row < (int)map->info.height; row++)
         for (uint32_t column = 0; column < map->info.width; column++)
-            found |= shb_occluder_row(map, row)[column] << 17 == SHB_HALF_INFINITY << 17;
+            found |= shb_occluder_row(map, row)[column] == SHB_SLOPES_NONE;
     return found;
 }
 

@@ -1,8 +1,8 @@
-/* The exact method on maps that keep planes: halves, the bound of rounding, refusals. */
+/* The exact method on maps that keep planes: slopes, the bound of rounding, refusals. */
 #include "../src/exact.h"
 #include "../src/format.h"
-#include "../src/half.h"
 #include "../src/occluders.h"
+#include "../src/slopes.h"
 #include "contexts.h"
 #include "isas.h"
 #include "probe.h"
@@ -16,39 +16,61 @@
 #include <stdlib.h>
 #include <string.h>
 
-TEST(every_half_survives_a_round_trip) {
-    bool all = true;
-    for (uint32_t half = 0; half <= 0xffff; half++) {
-        const bool is_nan = (half & 0x7fff) > 0x7c00;
-        const uint16_t back = shb_half_of((double)shb_half_to_float((uint16_t)half));
-        all &= is_nan || back == half;
-    }
-    CHECK(all);
-    CHECK((double)shb_half_to_float(0x3c00) == 1 && (double)shb_half_to_float(0xc000) == -2);
-    CHECK((double)shb_half_to_float(0x7bff) == 65504);
-    CHECK((double)shb_half_to_float(0x0001) == 0x1p-24);
-    CHECK(isinf(shb_half_to_float(0x7c00)) && isinf(shb_half_to_float(0xfc00)));
+/* The fields of x, y and the exponent: mantissas of 14 bits, two's complement. */
+static uint32_t packed(uint32_t x, uint32_t y, uint32_t exponent) {
+    return x << 18 | y << 4 | exponent;
 }
 
-TEST(halves_round_to_nearest_even_within_their_bound) {
-    CHECK_INT(shb_half_of(1 + 0x1p-11), 0x3c00); /* halfway to 1 + 2^-10: the even one below */
-    CHECK_INT(shb_half_of(1 + 3 * 0x1p-11), 0x3c02);
-    CHECK_INT(shb_half_of(1 + 0x1p-11 + 0x1p-40), 0x3c01);
-    CHECK_INT(shb_half_of(0x1p-25), 0);
-    CHECK_INT(shb_half_of(3 * 0x1p-25), 2);
-    CHECK_INT(shb_half_of(0x1p-14 - 0x1p-40), 0x0400);
-    CHECK_INT(shb_half_of(65519.999), 0x7bff);
-    CHECK_INT(shb_half_of(-65520), 0xfc00);
-    CHECK_INT(shb_half_of((double)NAN) & 0x7fff, 0x7c00);
+TEST(slopes_share_the_least_exponent_that_holds_the_larger_one) {
+    CHECK_INT(shb_slopes_of(0, 0), 0);
+    CHECK_INT(shb_slopes_of(-0.0, 1), packed(0, 1, 0));
+    CHECK_INT(shb_slopes_of(8191, -8191), packed(0x1fff, 0x2001, 0));
+    CHECK_INT(shb_slopes_of(-1, 8192), packed(0, 0x800, 1)); /* -1/4 is nearest to 0 */
+    CHECK_INT(shb_slopes_of(-3, 8192), packed(0x3fff, 0x800, 1));
+    CHECK_INT(shb_slopes_of(-32764, 40), packed(0x2001, 10, 1));
+    CHECK_INT(shb_slopes_of(32768, 40), packed(0x800, 2, 2)); /* 2.5: the even one below */
+    CHECK_INT(shb_slopes_of(8191 * 0x1p30, -0x1p30), packed(0x1fff, 0x3fff, 15));
+}
+
+TEST(slopes_round_to_nearest_even) {
+    CHECK_INT(shb_slopes_of(0.5, -0.5), 0);
+    CHECK_INT(shb_slopes_of(1.5, -1.5), packed(2, 0x3ffe, 0));
+    CHECK_INT(shb_slopes_of(0.5 + 0x1p-40, 2.5 - 0x1p-40), packed(1, 2, 0));
+    CHECK_INT(shb_slopes_of(8191.5 - 0x1p-39, 2), packed(0x1fff, 2, 0));
+    CHECK_INT(shb_slopes_of(8191.5, 2), packed(0x800, 0, 1));
+    CHECK_INT(shb_slopes_of(2, -8191.5), packed(0, 0x3800, 1));
+    CHECK_INT(shb_slopes_of(4 * 8191.5, 0), packed(0x800, 0, 2));
+}
+
+TEST(slopes_that_are_too_large_or_no_numbers_are_none) {
+    const double largest = 8191.5 * 0x1p30 - 0x1p-9;
+    CHECK_INT(shb_slopes_of(largest, 0), packed(0x1fff, 0, 15));
+    CHECK_INT(shb_slopes_of(0, -largest), packed(0, 0x2001, 15));
+    const double none[4] = {8191.5 * 0x1p30, -HUGE_VAL, HUGE_VAL, (double)NAN};
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++) {
+            const double other = k == 0 ? 0 : k == 1 ? 1e5 : none[i];
+            CHECK_INT(shb_slopes_of(none[i], other), 0xffffffff);
+            CHECK_INT(shb_slopes_of(other, none[i]), 0xffffffff);
+        }
+}
+
+/* Steps but the least ones are 2^-11 of the larger slope at most, or a little more where that is
+ * rounded up to 2^11 of them. */
+TEST(slopes_survive_within_half_a_step) {
     test_random random = {1};
-    bool within = true;
     for (int i = 0; i < 100000; i++) {
-        const double value =
-            ldexp(random_double(&random, -1, 1), (int)random_below(&random, 44) - 28);
-        const double error = fabs((double)shb_half_to_float(shb_half_of(value)) - value);
-        within &= error <= fabs(value) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE;
+        const double size = ldexp(1, (int)random_below(&random, 48) - 5);
+        const double x = random_double(&random, -size, size), y = random_double(&random, -1, 1) * x;
+        const uint32_t slopes =
+            random_below(&random, 2) ? shb_slopes_of(x, y) : shb_slopes_of(y, x);
+        const bool is_turned = slopes != shb_slopes_of(x, y);
+        const double step = shb_slopes_step(slopes);
+        CHECK(step <= fmax(1, fabs(x) * (0x1p-11 + 0x1p-24)));
+        CHECK(fabs(shb_slope_x(slopes) - (is_turned ? y : x)) <= step / 2);
+        CHECK(fabs(shb_slope_y(slopes) - (is_turned ? x : y)) <= step / 2);
+        CHECK_INT(shb_slopes_of(shb_slope_x(slopes), shb_slope_y(slopes)), slopes);
     }
-    CHECK(within);
 }
 
 typedef struct host {
@@ -217,17 +239,8 @@ static float mutual_answer(const shb_map *map, const float at[3], const float tu
           point->y < map->info.height))
         return 1;
     const int32_t column = (int32_t)point->x, row = (int32_t)point->y;
-    const uint32_t texel = shb_occluder_row(map, row)[column];
-    const double unit = map->occluders.slope_unit;
-    shb_exact_sample sample = {.center_x = column + 0.5, .center_y = row + 0.5};
-    sample.slope_x = (double)shb_half_to_float((uint16_t)texel) * unit;
-    sample.slope_y = (double)shb_half_to_float((uint16_t)(texel >> 16)) * unit;
-    sample.slope_error_x = fabs(sample.slope_x) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
-    sample.slope_error_y = fabs(sample.slope_y) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
-    float depth;
-    shb_map_fetch(map, 1, &column, &row, &depth);
-    sample.depth = (double)depth;
-    const bool is_far = depth >= (map->info.view.reversed ? 0.0f : 1.0f);
+    const shb_exact_sample sample = slow_sample_of(map, column, row);
+    const bool is_far = sample.depth >= (map->info.view.reversed ? 0 : 1);
     return !is_far && shb_exact_is_shadowed(&fragment, &sample) &&
                    !slow_is_fine_sheet(map, &fragment, column, row)
                ? 0.0f

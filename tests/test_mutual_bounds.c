@@ -201,7 +201,7 @@ typedef struct passing {
 
 static bool passes(const passing *p) {
     static mutual_batch batch;
-    const float unit = length_unit(p->map);
+    const float unit = step_unit(p->map);
     batch.map = p->map;
     batch.receivers.depth[0] = p->z;
     batch.moved_z[0] = p->moved[2];
@@ -214,10 +214,9 @@ static bool passes(const passing *p) {
 }
 
 /* What the way along an axis may add to the depth between a texel's centre and a point: where the
- * point lies, and the rounding of the slope to half floats. */
-static double unsure_rise(double slope, double unit, float moved, float to) {
-    const double off = fmax(SHB_HALF_RELATIVE * fabs(slope), SHB_HALF_ABSOLUTE * unit);
-    return fabs(slope) * (double)moved + off * fabs((double)to);
+ * point lies, and half of a step of the slope. */
+static double unsure_rise(double slope, double step, float moved, float to) {
+    return fabs(slope) * (double)moved + step / 2 * fabs((double)to);
 }
 
 /* A point that lies on the plane, but for what all of its numbers may be off by, is not in shadow;
@@ -227,31 +226,29 @@ TEST(planes_of_occluders_shadow_what_lies_surely_behind_them) {
     tap_light light = open_light(&random, 0, 0, SHB_OCCLUDERS_PLANES);
     const double unit = light.map->occluders.slope_unit;
     for (int n = 0; n < 4000; n++) {
-        const double size = ldexp(1, (int)random_below(&random, 36) - 28);
-        const uint16_t half_x = shb_half_of(random_double(&random, -size, size));
-        const uint16_t half_y = shb_half_of(random_double(&random, -size, size));
-        const double slope_x = unit * (double)shb_half_to_float(half_x);
-        const double slope_y = unit * (double)shb_half_to_float(half_y);
+        const double size = ldexp(1, (int)random_below(&random, 36) - 1);
+        const uint32_t slopes =
+            shb_slopes_of(random_double(&random, -size, size), random_double(&random, -size, size));
+        const double step = unit * shb_slopes_step(slopes);
+        const double slope_x = unit * shb_slope_x(slopes), slope_y = unit * shb_slope_y(slopes);
         passing p = {.map = light.map,
                      .stored = (float)random_double(&random, 0, n % 2 ? 1 : 1e-3),
-                     .texel = half_x | (uint32_t)half_y << 16};
+                     .texel = slopes};
         for (int k = 0; k < 2; k++) {
             p.moved[k] = (float)random_double(&random, 0, 0.25);
             p.to[k] = (float)random_double(&random, -20, 20);
         }
         p.moved[2] = n % 3 ? 0 : 0x1p-20f;
         const double rise = slope_x * (double)p.to[0] + slope_y * (double)p.to[1];
-        const double unsure = (double)p.moved[2] + unsure_rise(slope_x, unit, p.moved[0], p.to[0]) +
-                              unsure_rise(slope_y, unit, p.moved[1], p.to[1]);
+        const double unsure = (double)p.moved[2] + unsure_rise(slope_x, step, p.moved[0], p.to[0]) +
+                              unsure_rise(slope_y, step, p.moved[1], p.to[1]);
         const double plane = (double)p.stored - rise;
         p.z = (float)(plane + unsure * (1 - 0x1p-22));
         CHECK(!passes(&p));
-        p.z =
-            (float)(plane + 1.01 * unsure + 0x1p-22 * fabs(plane) + 80 * SHB_HALF_ABSOLUTE * unit +
-                    0x1p-18 * 20 * (fabs(slope_x) + fabs(slope_y)));
+        p.z = (float)(plane + 1.02 * unsure + 0x1p-22 * fabs(plane));
         CHECK(passes(&p));
         p.z = 1e30f;
-        p.texel = SHB_HALF_INFINITY | SHB_HALF_INFINITY << 16;
+        p.texel = SHB_SLOPES_NONE;
         CHECK(!passes(&p));
     }
     close_light(&light);

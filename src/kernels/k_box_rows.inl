@@ -33,7 +33,7 @@ static inline ALWAYS_INLINE void R(find_taps_from)(const box_batch *batch, size_
     const vf far_depth = vf_splat(shb_far_depth(reversed));
     const vf m = vf_load(columns_from_end + BOX_PITCH - n + start) + (float)(n + b->column);
     const vf plane = r->ref[i] + m * r->step_x[i];
-    const mutual_way x = mutual_way_of(own.moved_x, r->to_center_x[i] + m, length_unit(batch->map));
+    const mutual_way x = mutual_way_of(own.moved_x, r->to_center_x[i] + m, step_unit(batch->map));
     const uint64_t others = ~((((uint64_t)1 << WIDE) - 1) << start);
     const char *texels = b->texels + (size_t)start * sizeof(float);
     const char *occluders = b->occluders + (size_t)start * sizeof(uint32_t);
@@ -44,8 +44,8 @@ static inline ALWAYS_INLINE void R(find_taps_from)(const box_batch *batch, size_
         if (asked & IN_FRONT)
             found = stored < vf_min(far_depth, plane + ways->drop[k][lane]);
         if (asked & PASSING) {
-            const mutual_way y = {vf_splat(ways->rising[k][lane]),
-                                  vf_splat(ways->falling[k][lane])};
+            const mutual_way y = {vf_splat(ways->rising[k][lane]), vf_splat(ways->falling[k][lane]),
+                                  vf_splat(ways->error[k][lane])};
             vu slopes;
             memcpy(&slopes, occluders, sizeof slopes);
             found &= passes_in_front(own.z, own.base, &x, &y, stored, slopes);

@@ -4,9 +4,8 @@
  * between the two centres, within their rounding. The planes of an occluder's edge and of what lies
  * behind it do not: each lies in front of the other, or behind it, at both centres. */
 
-/* What a depth may be off by: its slope's rounding to half floats, and of the depth itself what
- * drawing and the sums here leave, and a step of the map's format between two of them. */
-#define SHEET_SLOPE_ERROR ((float)SHB_HALF_RELATIVE + 0x1p-20f)
+/* What a depth may be off by: of the depth itself what drawing and the sums here leave, and a step
+ * of the map's format between two of them. */
 #define SHEET_DEPTH_ERROR (8 * (float)SHB_FLOAT_ROUNDING)
 
 /* The texels of a block's row and those to the right of it, in whole vectors. */
@@ -15,16 +14,16 @@
 /* Their planes, reversed depths negated; z is NaN where a texel holds no occluder, whose slopes may
  * be anything. */
 typedef struct sheet_row {
-    float z[SHEET_ROW], slope_x[SHEET_ROW], slope_y[SHEET_ROW], error[SHEET_ROW];
+    float z[SHEET_ROW], slope_x[SHEET_ROW], slope_y[SHEET_ROW];
+    float beside[SHEET_ROW], askew[SHEET_ROW]; /* what depths are off by in the next texels */
 } sheet_row;
 
 /* From a column on; empty beyond the map. */
 static inline ALWAYS_INLINE void read_sheet_row(const shb_map *map, int32_t column, int32_t row,
                                                 sheet_row *out) {
     const bool reversed = map->info.view.reversed;
-    const float far_depth = shb_far_depth(reversed), unit = length_unit(map);
-    const float least = 2 * (float)(SHB_HALF_ABSOLUTE * map->occluders.slope_unit) +
-                        shb_format_step(map->info.format) / 2;
+    const float far_depth = shb_far_depth(reversed), unit = step_unit(map);
+    const float least = shb_format_step(map->info.format) / 2;
     const int32_t left = (int32_t)map->info.width - column;
     const int32_t count = row >= (int32_t)map->info.height ? 0
                           : left < SHEET_ROW               ? left
@@ -41,47 +40,35 @@ static inline ALWAYS_INLINE void read_sheet_row(const shb_map *map, int32_t colu
     }
     for (int i = 0; i < SHEET_ROW; i += WIDE) {
         const vf depth = vf_load(depths + i), z = reversed ? -depth : depth;
-        const vu halves = vu_load(occluders + i);
-        const vf slope_y = half_high(halves);
-        const vi known = (z < far_depth) & is_finite_half(slope_y);
+        const vu texels = vu_load(occluders + i);
+        const texel_slopes slopes = slopes_of_texels(texels, unit);
+        const vi known = (z < far_depth) & have_slopes(texels);
         vf_store(out->z + i, vf_where(known, z, vf_splat(NAN)));
-        vf_store(out->slope_x + i, half_low(halves) * unit);
-        vf_store(out->slope_y + i, slope_y * unit);
-        vf_store(out->error + i, SHEET_DEPTH_ERROR * vf_abs(z) + least);
+        vf_store(out->slope_x + i, slopes.x);
+        vf_store(out->slope_y + i, slopes.y);
+        const vf error = (SHEET_DEPTH_ERROR * vf_abs(z) + least) + slopes.error;
+        vf_store(out->beside + i, error);
+        vf_store(out->askew + i, error + slopes.error);
     }
 }
 
 /* Planes of WIDE texels. */
 typedef struct sheet_planes {
-    vf z, slope_x, slope_y, error;
+    vf z, slope_x, slope_y, beside, askew;
 } sheet_planes;
 
 static inline ALWAYS_INLINE sheet_planes sheet_planes_at(const sheet_row *row, int i) {
     return (sheet_planes){vf_load(row->z + i), vf_load(row->slope_x + i), vf_load(row->slope_y + i),
-                          vf_load(row->error + i)};
-}
-
-/* What both planes rise along x, along y and, at most, along a diagonal: there slopes may cancel,
- * but their errors do not. */
-static inline ALWAYS_INLINE vf rise_across(const sheet_planes *a, const sheet_planes *b) {
-    return vf_abs(a->slope_x) + vf_abs(b->slope_x);
-}
-
-static inline ALWAYS_INLINE vf rise_down(const sheet_planes *a, const sheet_planes *b) {
-    return vf_abs(a->slope_y) + vf_abs(b->slope_y);
-}
-
-static inline ALWAYS_INLINE vf rise_askew(const sheet_planes *a, const sheet_planes *b) {
-    return rise_across(a, b) + rise_down(a, b);
+                          vf_load(row->beside + i), vf_load(row->askew + i)};
 }
 
 /* A bit where the planes meet between the centres, not where one is NaN. to_b: what a's plane rises
- * from its centre to b's; by_b: what b's does; rise: what both do at most. */
+ * from its centre to b's; by_b: what b's does; error: what both are off by. */
 static inline ALWAYS_INLINE uint64_t planes_meet(const sheet_planes *a, vf to_b,
-                                                 const sheet_planes *b, vf by_b, vf rise) {
+                                                 const sheet_planes *b, vf by_b, vf error) {
     const vf b_behind = b->z - (a->z + to_b), a_behind = a->z - (b->z - by_b);
     const vf apart = vf_min(vf_max(a_behind, b_behind), -vf_min(a_behind, b_behind));
-    return vi_bits(apart <= SHEET_SLOPE_ERROR * rise + (a->error + b->error));
+    return vi_bits(apart <= error);
 }
 
 /* Of a block's row with itself and the next one. */
@@ -93,15 +80,15 @@ static inline ALWAYS_INLINE void join_row(const sheet_row *upper, const sheet_ro
         const sheet_planes below = sheet_planes_at(lower, i),
                            across = sheet_planes_at(lower, i + 1);
         to_right |=
-            planes_meet(&left, left.slope_x, &right, right.slope_x, rise_across(&left, &right))
+            planes_meet(&left, left.slope_x, &right, right.slope_x, left.beside + right.beside)
             << i;
-        down |= planes_meet(&left, left.slope_y, &below, below.slope_y, rise_down(&left, &below))
+        down |= planes_meet(&left, left.slope_y, &below, below.slope_y, left.beside + below.beside)
                 << i;
         falling |= planes_meet(&left, left.slope_x + left.slope_y, &across,
-                               across.slope_x + across.slope_y, rise_askew(&left, &across))
+                               across.slope_x + across.slope_y, left.askew + across.askew)
                    << i;
         rising |= planes_meet(&right, right.slope_y - right.slope_x, &below,
-                              below.slope_y - below.slope_x, rise_askew(&right, &below))
+                              below.slope_y - below.slope_x, right.askew + below.askew)
                   << i;
     }
     for (int i = 0; i < SHB_JOINT_COLUMNS / SHB_JOINT_WORD; i++) {

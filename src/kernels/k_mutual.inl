@@ -20,9 +20,9 @@
  * quarter more of the denominator's error holds the rounding of the slopes themselves. */
 
 #include "../exact_sheet.h"
-#include "../half.h"
 #include "../light_point.h"
 #include "../occluders.h"
+#include "k_slopes.inl"
 
 /* What a triangle means to a fragment, relative to the fragment's plane. */
 typedef struct mutual_triangle {
@@ -170,7 +170,6 @@ static inline ALWAYS_INLINE void find_bounds(bool affine, size_t count, mutual_b
 static void write_mutual_planes(mutual_batch *batch, size_t count) {
     shb_receivers *r = &batch->receivers;
     const float side = batch->map->info.occluders == SHB_OCCLUDERS_TRIANGLES ? -1.0f : 1.0f;
-    const float smallest = (float)SHB_HALF_ABSOLUTE * (float)batch->map->occluders.slope_unit;
     for (size_t i = 0; i < shb_round_to_lanes(count); i += WIDE) {
         const vf z = vf_load(r->depth + i), reach = vf_load(batch->reach + i);
         const vf step_x = vf_load(r->step_x + i), step_y = vf_load(r->step_y + i);
@@ -184,8 +183,7 @@ static void write_mutual_planes(mutual_batch *batch, size_t count) {
         vf_store(r->step_x + i, vf_keep(known, step_x));
         vf_store(r->step_y + i, vf_keep(known, step_y));
         vf_store(batch->base + i,
-                 (vf_load(batch->moved_z + i) + 2 * (float)SHB_FLOAT_ROUNDING * vf_abs(z)) +
-                     reach * (2 * smallest));
+                 vf_load(batch->moved_z + i) + 2 * (float)SHB_FLOAT_ROUNDING * vf_abs(z));
     }
 }
 
@@ -204,49 +202,24 @@ static inline ALWAYS_INLINE mutual_lanes mutual_lanes_of_one(const mutual_batch 
                           vf_splat(batch->moved_x[i]), vf_splat(batch->moved_y[i])};
 }
 
-/* Halves become floats by a shift of their bits: exponents count from 15 in the one, from 127 in
- * the other. Lengths that they are multiplied by make up for that, which slope units of at most 1
- * leave in the range of floats; one that is not gives NaN or infinity, and no shadow. */
-#define HALF_SCALE 0x1p112f
-#define HALF_BITS 0x8fffe000u
-
-/* Two half floats, x low and y high. Where one of them is infinite, both are. */
-static inline ALWAYS_INLINE vf half_low(vu halves) {
-    return (vf)((vu)((vi)(halves << 16) >> 3) & HALF_BITS);
-}
-
-static inline ALWAYS_INLINE vf half_high(vu halves) {
-    return (vf)((vu)((vi)halves >> 3) & HALF_BITS);
-}
-
-static inline ALWAYS_INLINE vi is_finite_half(vf half) {
-    return half < 65536.0f / HALF_SCALE;
-}
-
-/* What texels are multiplied by. */
-static inline ALWAYS_INLINE float length_unit(const shb_map *map) {
-    return (float)map->occluders.slope_unit * HALF_SCALE;
-}
-
-/* A length along one axis, from the fragment to a tap, less what the slope of the tap's plane may
- * be off by times that, all by the slope: the rounding to half floats, and of the sums and products
- * here. For slopes that rise and for those that fall. */
+/* A length along one axis, from the fragment to a tap, by the slope of the tap's plane, less what
+ * the fragment may have moved: for slopes that rise and for those that fall. error: what the slope
+ * may be off by times the length, by its step. */
 typedef struct mutual_way {
-    vf rising, falling;
+    vf rising, falling, error;
 } mutual_way;
 
 static inline ALWAYS_INLINE mutual_way mutual_way_of(vf moved, vf texels, float unit) {
-    const vf to = texels * unit;
-    const vf miss = moved * unit + ((float)SHB_HALF_RELATIVE + 0x1p-20f) * vf_abs(to);
-    return (mutual_way){to - miss, to + miss};
+    const vf to = texels * unit, miss = moved * unit;
+    return (mutual_way){to - miss, to + miss, SLOPE_ERROR * vf_abs(to)};
 }
 
 /* -1 where the plane of the texel's occluder, through what is stored, passes in front of the
  * fragment. */
 static inline ALWAYS_INLINE vi passes_in_front(vf z, vf base, const mutual_way *x,
                                                const mutual_way *y, vf stored, vu texels) {
-    const vf slope_x = half_low(texels), slope_y = half_high(texels);
-    const vf rise_x = slope_x * vf_by_sign((vi)(texels << 16), x->falling, x->rising);
-    const vf rise_y = slope_y * vf_by_sign((vi)texels, y->falling, y->rising);
-    return ((z - stored) + (rise_x + rise_y) > base) & is_finite_half(slope_y);
+    const vf rise_x = x_mantissas(texels) * vf_by_sign((vi)texels, x->falling, x->rising);
+    const vf rise_y = y_mantissas(texels) * vf_by_sign((vi)(texels << 14), y->falling, y->rising);
+    const vf rise = slope_steps(texels) * ((rise_x + rise_y) - (x->error + y->error));
+    return ((z - stored) + rise > base) & have_slopes(texels);
 }

@@ -45,7 +45,7 @@ static inline ALWAYS_INLINE vu gather_occluders(const shb_map *map, vi x, vi y) 
 
 static inline ALWAYS_INLINE vi pass_before(mutual_lanes own, vf to_x, vf to_y, const shb_map *map,
                                            vf stored, vu texels) {
-    const float unit = length_unit(map);
+    const float unit = step_unit(map);
     const mutual_way x = mutual_way_of(own.moved_x, to_x, unit);
     const mutual_way y = mutual_way_of(own.moved_y, to_y, unit);
     return passes_in_front(own.z, own.base, &x, &y, stored, texels);

@@ -12,13 +12,13 @@ enum { IN_FRONT = 1, PASSING = 2 };
 /* How the rows of boxes of WIDE fragments lie to them, counted from the first row. */
 typedef struct row_ways {
     float drop[SHB_BOX_MAX][WIDE]; /* of a fragment's plane, as its ref and steps */
-    float rising[SHB_BOX_MAX][WIDE], falling[SHB_BOX_MAX][WIDE];
+    float rising[SHB_BOX_MAX][WIDE], falling[SHB_BOX_MAX][WIDE], error[SHB_BOX_MAX][WIDE];
 } row_ways;
 
 static inline ALWAYS_INLINE void find_row_ways(const box_batch *batch, const uint16_t *fragments,
                                                int n, int asked, row_ways *ways) {
     const shb_receivers *r = batch->receivers;
-    const float unit = length_unit(batch->map);
+    const float unit = step_unit(batch->map);
     float first[WIDE], to_center[WIDE], step[WIDE], moved[WIDE];
     for (int lane = 0; lane < WIDE; lane++) {
         const size_t i = fragments[lane];
@@ -35,6 +35,7 @@ static inline ALWAYS_INLINE void find_row_ways(const box_batch *batch, const uin
         if (asked & PASSING) {
             vf_store(ways->rising[k], way.rising);
             vf_store(ways->falling[k], way.falling);
+            vf_store(ways->error[k], way.error);
         }
     }
 }
@@ -101,7 +102,6 @@ static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const mutual_batch *mut
                                                          const uint16_t *boxes, size_t count) {
     const shb_receivers *r = &mutual->receivers;
     const shb_map_info *info = &mutual->map->info;
-    const float unit = length_unit(mutual->map);
     standing s;
     for (size_t lane = 0; lane < WIDE; lane++) {
         const size_t box = boxes[lane < count ? lane : 0], i = fragments[box];
@@ -117,17 +117,17 @@ static inline ALWAYS_INLINE uint32_t stand_on_own_texels(const mutual_batch *mut
         s.stored[lane] = own[box].stored;
         s.slopes[lane] = own[box].slopes;
     }
-    const vu halves = vu_load(s.slopes);
+    const texel_slopes slopes = slopes_of_texels(vu_load(s.slopes), step_unit(mutual->map));
     const vf stored = vf_load(s.stored), z = vf_load(s.z);
     const vf to_x = vf_load(s.to_x), to_y = vf_load(s.to_y);
-    const vf slope_x = half_low(halves) * unit, slope_y = half_high(halves) * unit;
     const vf own_rise = vf_load(s.step_x) * to_x + vf_load(s.step_y) * to_y;
-    const vf occluder_rise = slope_x * to_x + slope_y * to_y;
+    const vf occluder_rise = slopes.x * to_x + slopes.y * to_y;
     const float step = shb_format_step(info->format);
     const vf error = vf_load(s.error) + (SHEET_DEPTH_ERROR * (vf_abs(z) + vf_abs(stored)) + step);
     const vf occluder_error =
-        (vf_load(s.base) + step) + (vf_abs(slope_x) * (vf_load(s.moved_x) + SHEET_SLOPE_ERROR) +
-                                    vf_abs(slope_y) * (vf_load(s.moved_y) + SHEET_SLOPE_ERROR));
+        (vf_load(s.base) + step) +
+        ((vf_abs(slopes.x) * vf_load(s.moved_x) + vf_abs(slopes.y) * vf_load(s.moved_y)) +
+         slopes.error);
     const vf behind = stored - (z + own_rise), behind_at_fragment = (stored - occluder_rise) - z;
     return vi_bits((stored < shb_far_depth(info->view.reversed)) &
                    ~((behind > error) & (behind_at_fragment > occluder_error)));

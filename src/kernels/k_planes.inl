@@ -221,27 +221,28 @@ static inline ALWAYS_INLINE vu read_slopes(const shb_map *map, bool gathers,
 }
 
 /* What is sure of the planes of WIDE texels at the fragments' places: that they pass in front of
- * them, or that they do not; infinite slopes do not. */
+ * them, or that they do not; those too steep to have slopes do not. */
 typedef struct occluder_side {
     vi passes, clears;
     vf slopes; /* sum of sizes */
 } occluder_side;
 
-static inline ALWAYS_INLINE occluder_side judge_occluders(const shb_quick_planes *q, vu halves,
+static inline ALWAYS_INLINE occluder_side judge_occluders(const shb_quick_planes *q, vu texels,
                                                           plane_batch *batch, size_t i, vf psi) {
-    const float half = (float)SHB_HALF_RELATIVE, more = 0x1p-20f;
-    const vf behind = vf_load(batch->behind + i), half_y = half_high(halves);
-    const vf slope_x = half_low(halves) * q->slope_unit, slope_y = half_y * q->slope_unit;
+    const vf step = slope_steps(texels) * q->step_unit;
+    const vf slope_x = x_mantissas(texels) * step, slope_y = y_mantissas(texels) * step;
     const vf slopes = vf_abs(slope_x) + vf_abs(slope_y);
-    const vf run_x = slope_x * vf_load(batch->to_x + i), run_y = slope_y * vf_load(batch->to_y + i);
-    const vf runs = vf_abs(run_x) + vf_abs(run_y), passed = behind + (run_x + run_y);
-    const vf rounding = 0x1p-22f * vf_abs(behind) + 0x1p-100f;
+    const vf behind = vf_load(batch->behind + i);
+    const vf to_x = vf_load(batch->to_x + i), to_y = vf_load(batch->to_y + i);
+    const vf passed = behind + (slope_x * to_x + slope_y * to_y);
+    const vf steps = step * (vf_abs(to_x) + vf_abs(to_y)), half = 0.5f * steps;
+    const vf rounding = (0x1p-22f * vf_abs(behind) + 0x1p-100f) + SLOPE_MORE * steps;
     vf_store(batch->passed + i, passed);
-    const vf most = ((half + more) * runs + rounding) +
-                    (q->occluder + psi * (q->occluder_by_place + q->occluder_by_slope * slopes));
-    const vi is_finite = is_finite_half(half_y);
-    return (occluder_side){is_finite & (passed > most),
-                           (vi)(passed < (half - more) * runs - rounding) | ~is_finite, slopes};
+    const vf most =
+        (half + rounding) + psi * (q->occluder_by_place + q->occluder_by_slope * slopes);
+    const vi known = have_slopes(texels);
+    return (occluder_side){known & (passed > most), (vi)(passed < half - rounding) | ~known,
+                           slopes};
 }
 
 /* -1 where the stored depths surely lie in front of the fragments' own planes. */
@@ -265,7 +266,7 @@ static inline ALWAYS_INLINE uint32_t settle_open(const shb_map *map, bool affine
                                                  size_t i, float *restrict visibility) {
     const shb_quick_planes *q = &map->occluders.quick;
     const vi open = vi_load(batch->open + i);
-    const vu halves = read_slopes(map, gathers, batch, i, open);
+    const vu texels = read_slopes(map, gathers, batch, i, open);
     vf p[3];
     read_points(points->position, false, i, p);
     const vf place = (vf_abs(p[0]) + vf_abs(p[1])) + vf_abs(p[2]);
@@ -275,7 +276,7 @@ static inline ALWAYS_INLINE uint32_t settle_open(const shb_map *map, bool affine
         psi *= inverse_w;
         by_w *= inverse_w;
     }
-    const occluder_side occluders = judge_occluders(q, halves, batch, i, psi);
+    const occluder_side occluders = judge_occluders(q, texels, batch, i, psi);
     const vi is_shadowed =
         open & occluders.passes & are_behind(q, batch, i, psi, by_w, occluders.slopes);
     vf_store(visibility + i, vf_keep(~is_shadowed, vf_splat(1.0f)));
@@ -285,7 +286,8 @@ static inline ALWAYS_INLINE uint32_t settle_open(const shb_map *map, bool affine
 /* Up to DOUBLES fragments and their texels, which hold occluders. */
 typedef struct plane_lanes {
     float position[3][DOUBLES], normal[3][DOUBLES];
-    float center_x[DOUBLES], center_y[DOUBLES], depth[DOUBLES], slope_x[DOUBLES], slope_y[DOUBLES];
+    float center_x[DOUBLES], center_y[DOUBLES], depth[DOUBLES];
+    float slope_x[DOUBLES], slope_y[DOUBLES], slope_step[DOUBLES];
 } plane_lanes;
 
 /* The first one fills up the lanes. */
@@ -302,15 +304,16 @@ static inline void pick_lanes(const shb_map *map, const shb_quick_points *points
         lanes->center_x[k] = (float)batch->column[i] + 0.5f;
         lanes->center_y[k] = (float)batch->row[i] + 0.5f;
         lanes->depth[k] = batch->stored[i];
-        lanes->slope_x[k] = shb_half_to_float((uint16_t)slopes);
-        lanes->slope_y[k] = shb_half_to_float((uint16_t)(slopes >> 16));
+        lanes->slope_x[k] = (float)shb_slope_x(slopes);
+        lanes->slope_y[k] = (float)shb_slope_y(slopes);
+        lanes->slope_step[k] = (float)shb_slopes_step(slopes);
     }
 }
 
 static NEVER_INLINE void test_planes(const shb_map *map, const shb_quick_points *points,
                                      const plane_batch *batch, const uint16_t *numbers,
                                      size_t count, float *visibility) {
-    const double unit = map->occluders.slope_unit, smallest = SHB_HALF_ABSOLUTE * unit;
+    const double unit = map->occluders.slope_unit;
     plane_lanes lanes;
     wd position[3], normal[3];
     pick_lanes(map, points, batch, numbers, count, &lanes);
@@ -318,16 +321,14 @@ static NEVER_INLINE void test_planes(const shb_map *map, const shb_quick_points 
         position[k] = wd_load_floats(lanes.position[k]);
         normal[k] = wd_load_floats(lanes.normal[k]);
     }
-    const wd slope_x = wd_load_floats(lanes.slope_x) * unit;
-    const wd slope_y = wd_load_floats(lanes.slope_y) * unit;
-    const wide_exact_sample samples = {
-        .center_x = wd_load_floats(lanes.center_x),
-        .center_y = wd_load_floats(lanes.center_y),
-        .depth = wd_load_floats(lanes.depth),
-        .slope_x = slope_x,
-        .slope_y = slope_y,
-        .slope_error_x = wd_abs(slope_x) * SHB_HALF_RELATIVE + smallest,
-        .slope_error_y = wd_abs(slope_y) * SHB_HALF_RELATIVE + smallest};
+    const wd slope_error = wd_load_floats(lanes.slope_step) * (unit / 2);
+    const wide_exact_sample samples = {.center_x = wd_load_floats(lanes.center_x),
+                                       .center_y = wd_load_floats(lanes.center_y),
+                                       .depth = wd_load_floats(lanes.depth),
+                                       .slope_x = wd_load_floats(lanes.slope_x) * unit,
+                                       .slope_y = wd_load_floats(lanes.slope_y) * unit,
+                                       .slope_error_x = slope_error,
+                                       .slope_error_y = slope_error};
     const wide_light_point placed = wide_light_point_at(&map->rows, position, SHB_FLOAT_ROUNDING);
     const wide_light_slopes slopes = wide_exact_slopes_of(&map->rows, &placed, normal);
     const wd errors = wide_exact_error_of(&placed, &slopes);
@@ -336,31 +337,16 @@ static NEVER_INLINE void test_planes(const shb_map *map, const shb_quick_points 
         visibility[numbers[k]] = shadowed >> k & 1 ? 0.0f : 1.0f;
 }
 
-/* Planes of WIDE texels. */
-typedef struct texel_planes {
-    vf stored, slope_x, slope_y;
-} texel_planes;
-
-static inline ALWAYS_INLINE texel_planes texel_planes_of(const shb_map *map, bool gathers,
-                                                         const plane_batch *batch, size_t i,
-                                                         vi asked) {
-    const vu halves = read_slopes(map, gathers, batch, i, asked);
-    const float unit = length_unit(map);
-    return (texel_planes){vf_load(batch->stored + i), half_low(halves) * unit,
-                          half_high(halves) * unit};
-}
-
 /* How far these planes miss the occluders of the four texels next to theirs, but for the one that
  * each misses least, and for rounding; infinite where no two of them hold an occluder. */
 static inline ALWAYS_INLINE vf second_miss(const shb_map *map, bool gathers,
                                            const plane_batch *batch, size_t i,
-                                           const texel_planes *planes) {
+                                           const texel_slopes *slopes) {
     static const int32_t to_x[4] = {-1, 1, 0, 0}, to_y[4] = {0, 0, -1, 1};
     const bool reversed = map->info.view.reversed;
     const float far_depth = shb_far_depth(reversed);
-    const float slope_error = (float)SHB_HALF_RELATIVE + 0x1p-20f;
-    const float step = 2 * (float)(SHB_HALF_ABSOLUTE * map->occluders.slope_unit) +
-                       shb_format_step(map->info.format);
+    const float step = shb_format_step(map->info.format);
+    const vf stored = vf_load(batch->stored + i);
     vf least = vf_splat(INFINITY), second = least;
     for (int k = 0; k < 4; k++) {
         vi inside;
@@ -369,11 +355,10 @@ static inline ALWAYS_INLINE vf second_miss(const shb_map *map, bool gathers,
         const vu row = (vu)vi_load(batch->row + i) + (uint32_t)to_y[k];
         const vf texel = read_lanes(map, gathers, (vi)column, (vi)row, &inside);
         const vf z = reversed ? -texel : texel;
-        const vf rise = (float)to_x[k] * planes->slope_x + (float)to_y[k] * planes->slope_y;
-        const vf depths = vf_abs(planes->stored) + vf_abs(z);
-        const vf rounding =
-            slope_error * vf_abs(rise) + (8 * (float)SHB_FLOAT_ROUNDING * depths + step);
-        const vf off = vf_max(vf_abs(z - (planes->stored + rise)) - rounding, vf_splat(0.0f));
+        const vf rise = (float)to_x[k] * slopes->x + (float)to_y[k] * slopes->y;
+        const vf depths = vf_abs(stored) + vf_abs(z);
+        const vf rounding = slopes->error + (8 * (float)SHB_FLOAT_ROUNDING * depths + step);
+        const vf off = vf_max(vf_abs(z - (stored + rise)) - rounding, vf_splat(0.0f));
         const vf miss = vf_where(inside & (z < far_depth), off, vf_splat(INFINITY));
         second = vf_min(second, vf_max(least, miss));
         least = vf_min(least, miss);
@@ -396,14 +381,15 @@ static inline ALWAYS_INLINE void light_fine_sheets(const shb_map *map, bool affi
     vi asked = (shown == 0.0f) & (passed < 4 * texel);
     if (!vi_any(asked))
         return;
-    const texel_planes planes = texel_planes_of(map, gathers, batch, i, asked);
+    const texel_slopes slopes =
+        slopes_of_texels(read_slopes(map, gathers, batch, i, asked), step_unit(map));
     const vf steepness = vf_load(batch->steepness + i);
-    const vf turn = vf_abs(vf_load(batch->rise_x + i) - steepness * planes.slope_x) +
-                    vf_abs(vf_load(batch->rise_y + i) - steepness * planes.slope_y);
+    const vf turn = vf_abs(vf_load(batch->rise_x + i) - steepness * slopes.x) +
+                    vf_abs(vf_load(batch->rise_y + i) - steepness * slopes.y);
     asked &= turn < steepness * texel;
     if (!vi_any(asked))
         return;
-    const vf second = second_miss(map, gathers, batch, i, &planes);
+    const vf second = second_miss(map, gathers, batch, i, &slopes);
     const vi are_lit = asked & (second < INFINITY) & (passed < 2 * second);
     vf_store(visibility + i, vf_where(are_lit, vf_splat(1.0f), shown));
 }

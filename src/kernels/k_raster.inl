@@ -327,7 +327,7 @@ static void raise_planes(int count, const double *restrict bounds, double slope_
                            .hi = planes->hi[t],
                            .is_plain = planes->plain[t] != 0};
         shb_plane_raise(bounds[t], boxes->width[t], boxes->height[t], &plane);
-        slopes[t] = shb_halves_of(plane.gx * slope_scale, plane.gy * slope_scale);
+        slopes[t] = shb_slopes_of(plane.gx * slope_scale, plane.gy * slope_scale);
         planes->base[t] = plane.z0;
         planes->hi[t] = plane.hi;
         planes->plain[t] = plane.is_plain;

@@ -2,7 +2,7 @@
  * branches. The formulas, their order and the proofs of their widths are those of setup.h and
  * plane.h. */
 
-#include "../half.h"
+#include "../slopes.h"
 
 #define MIN(a, b) ((a) < (b) ? (a) : (b))
 #define MAX(a, b) ((a) > (b) ? (a) : (b))

@@ -1,7 +1,6 @@
 /* Points, planes and their mutual test in vectors of doubles. */
 
 #include "../exact.h"
-#include "../half.h"
 #include "../occluders.h"
 
 #undef REAL

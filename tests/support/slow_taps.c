@@ -1,7 +1,6 @@
 #include "slow_taps.h"
 
 #include "../../src/format.h"
-#include "../../src/half.h"
 #include "../../src/occluders.h"
 
 #include <math.h>
@@ -10,44 +9,57 @@ static bool is_in_map(const shb_map *map, int x, int y) {
     return x >= 0 && y >= 0 && x < (int)map->info.width && y < (int)map->info.height;
 }
 
+static int mantissa_of(uint32_t bits) {
+    const int whole = (int)(bits % 16384);
+    return whole < 8192 ? whole : whole - 16384;
+}
+
+shb_exact_sample slow_sample_of(const shb_map *map, int x, int y) {
+    const int32_t column = x, row = y;
+    const uint32_t texel = shb_occluder_row(map, y)[x];
+    const double step = pow(4, texel % 16) * map->occluders.slope_unit;
+    const double unit = texel == 0xffffffff ? (double)INFINITY : step;
+    float depth;
+    shb_map_fetch(map, 1, &column, &row, &depth);
+    return (shb_exact_sample){.center_x = x + 0.5,
+                              .center_y = y + 0.5,
+                              .depth = (double)depth,
+                              .slope_x = mantissa_of(texel >> 18) * unit,
+                              .slope_y = mantissa_of(texel >> 4) * unit,
+                              .slope_error_x = unit / 2,
+                              .slope_error_y = unit / 2};
+}
+
 /* A plane through a place of the map. */
 typedef struct sheet_plane {
     double x, y, z, slope_x, slope_y;
-    bool is_covered, is_finite; /* by an occluder; the slopes */
+    double slope_error; /* of each */
+    bool is_covered;    /* by an occluder */
 } sheet_plane;
 
 static sheet_plane plane_of_texel(const shb_map *map, int x, int y) {
-    const int32_t column = x, row = y;
-    const uint32_t texel = shb_occluder_row(map, y)[x];
-    const double unit = map->occluders.slope_unit;
-    float depth;
-    shb_map_fetch(map, 1, &column, &row, &depth);
-    return (sheet_plane){x + 0.5,
-                         y + 0.5,
-                         (double)depth,
-                         (double)shb_half_to_float((uint16_t)texel) * unit,
-                         (double)shb_half_to_float((uint16_t)(texel >> 16)) * unit,
-                         depth < (map->info.view.reversed ? 0.0f : 1.0f),
-                         texel << 17 >> 17 < (uint32_t)SHB_HALF_INFINITY};
+    const shb_exact_sample s = slow_sample_of(map, x, y);
+    const bool is_covered = s.depth < (map->info.view.reversed ? 0 : 1);
+    return (sheet_plane){s.center_x, s.center_y,      s.depth,   s.slope_x,
+                         s.slope_y,  s.slope_error_x, is_covered};
 }
 
 static bool is_known(const sheet_plane *plane) {
-    return plane->is_covered && plane->is_finite;
+    return plane->is_covered && plane->slope_error < (double)INFINITY;
 }
 
 static double behind(const sheet_plane *a, const sheet_plane *b) {
     return b->z - (a->z + a->slope_x * (b->x - a->x) + a->slope_y * (b->y - a->y));
 }
 
-/* The planes cut each other between the places, or meet within 2^-11 of what they rise and a step
- * of the format, times so much. */
+/* The planes cut each other between the places, or meet within what their slopes are off by and a
+ * step of the format, times so much. */
 static bool planes_meet(const shb_map *map, const sheet_plane *a, const sheet_plane *b,
                         double times) {
-    const double x = fabs(b->x - a->x), y = fabs(b->y - a->y);
-    const double rise =
-        (fabs(a->slope_x) + fabs(b->slope_x)) * x + (fabs(a->slope_y) + fabs(b->slope_y)) * y;
+    const double way = fabs(b->x - a->x) + fabs(b->y - a->y);
+    const double slopes = (a->slope_error + b->slope_error) * way;
     const double step = map->info.format == SHB_FORMAT_UNORM16 ? 0x1p-16 : 0;
-    const double error = rise * 0x1p-11 + 0x1p-21 * (fabs(a->z) + fabs(b->z)) + step;
+    const double error = slopes + 0x1p-21 * (fabs(a->z) + fabs(b->z)) + step;
     const double ahead = behind(a, b), back = behind(b, a);
     return is_known(a) && is_known(b) &&
            fmin(fmax(ahead, back), -fmin(ahead, back)) <= error * times;
@@ -73,9 +85,9 @@ static bool is_shadowed(const shb_exact_fragment *fragment, const shb_exact_samp
 bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y) {
     if (!is_in_map(map, x, y))
         return false;
-    const uint32_t texel = shb_occluder_row(map, y)[x];
-    shb_exact_sample sample = {.center_x = x + 0.5, .center_y = y + 0.5};
     if (map->info.occluders == SHB_OCCLUDERS_TRIANGLES) {
+        const uint32_t texel = shb_occluder_row(map, y)[x];
+        shb_exact_sample sample = {.center_x = x + 0.5, .center_y = y + 0.5};
         if (texel == SHB_ID_NONE)
             return false;
         const shb_occluder_plane *plane = &map->occluders.planes[texel];
@@ -84,13 +96,8 @@ bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment
         sample.depth = shb_occluder_depth(plane, x + 0.5, y + 0.5) + plane->error;
         return is_shadowed(fragment, &sample);
     }
-    const double unit = map->occluders.slope_unit;
     const sheet_plane plane = plane_of_texel(map, x, y);
-    sample.depth = plane.z;
-    sample.slope_x = plane.slope_x;
-    sample.slope_y = plane.slope_y;
-    sample.slope_error_x = fabs(sample.slope_x) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
-    sample.slope_error_y = fabs(sample.slope_y) * SHB_HALF_RELATIVE + SHB_HALF_ABSOLUTE * unit;
+    const shb_exact_sample sample = slow_sample_of(map, x, y);
     return plane.is_covered && is_shadowed(fragment, &sample);
 }
 
@@ -100,11 +107,9 @@ static double miss_beside(const shb_map *map, const sheet_plane *plane, int x, i
     if (!is_in_map(map, x, y))
         return (double)INFINITY;
     const sheet_plane beside = plane_of_texel(map, x, y);
-    const double rise =
-        plane->slope_x * (beside.x - plane->x) + plane->slope_y * (beside.y - plane->y);
-    const double rounding =
-        (0x1p-11 + 0x1p-20) * fabs(rise) + 0x1p-21 * (fabs(plane->z) + fabs(beside.z)) +
-        0x1p-24 * map->occluders.slope_unit + (double)shb_format_step(map->info.format);
+    const double rounding = (1 + 0x1p-6) * plane->slope_error +
+                            0x1p-21 * (fabs(plane->z) + fabs(beside.z)) +
+                            (double)shb_format_step(map->info.format);
     const double miss = fmax(fabs(behind(plane, &beside)) - rounding, 0);
     return beside.is_covered ? miss : (double)INFINITY;
 }
@@ -161,7 +166,7 @@ slow_box slow_box_of(const shb_map *map, const shb_exact_fragment *fragment, int
                              fragment->point.z,
                              fragment->slopes.x,
                              fragment->slopes.y,
-                             true,
+                             0,
                              true};
     const sheet_plane texel = plane_of_texel(map, x, y);
     if (planes_meet(map, &own, &texel, 1) && !slow_tap_is_shadowed(map, fragment, x, y))

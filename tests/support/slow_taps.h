@@ -5,6 +5,10 @@
 #include "../../src/exact.h"
 #include "../../src/map.h"
 
+/* What a texel of a map that keeps planes says of its occluder: slopes are mantissas of 14 bits by
+ * four to a common exponent, within half of that; infinite where they are all ones. */
+shb_exact_sample slow_sample_of(const shb_map *map, int x, int y);
+
 /* By the test of mutual planes alone, with nothing allowed for snapping; texels outside the map
  * shadow nothing. */
 bool slow_tap_is_shadowed(const shb_map *map, const shb_exact_fragment *fragment, int x, int y);
