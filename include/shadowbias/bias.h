@@ -192,9 +192,9 @@ shb_bias shb_bias_adaptive_soft(float k, float scene_scale, float threshold);
  * parameter, no scene scale: every tolerance is a bound of rounding. Each coordinate of a position
  * must lie within half a unit in the last place of the surface, each element of a normal within
  * 2^-22 of the triangle's.
- * - Planes: shadowed if the sample lies in front of the fragment's plane at the texel's centre and
- *   its plane in front of the fragment at its own place; hard leaves facets finer than texels lit.
- *   Right on both sides of a crease and on convex bodies; shadows end at texel borders.
+ * - Planes: shadowed if the texel's sample lies in front of the fragment's plane, and the sample's
+ *   own plane in front of the fragment; the filter hard leaves facets finer than texels lit. Right
+ *   on both sides of a crease and on convex bodies; shadows end at texel borders.
  * - Triangles: walks over the mesh, from the triangles of the four nearest samples to the one that
  *   covers the fragment's own light ray, which decides; where the mesh ends or folds over on the
  *   way, as with planes. Edges are straight inside a texel, and closed meshes have no false shadow

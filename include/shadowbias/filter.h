@@ -45,8 +45,8 @@ typedef struct shb_filter_args {
 
 /* Works on the whole batch; must be thread-safe and may not fail. A tap outside the map is lit. The
  * function exact gets receivers that hold nothing but the positions and, unless the map keeps
- * lists, the normals as the host gave them. That of your own filter may ask by calling that of
- * shb_filter_hard(), also at points that it moved: then with lifted true and own NULL. */
+ * lists, the normals as the host gave them. To ask the occluders, a filter of your own calls the
+ * function exact of shb_filter_hard(); at points that it moved, with lifted true and own NULL. */
 typedef void shb_filter_fn(const shb_filter_args *args);
 
 /* Makes what the filter reads of a map; called by shb_map_prepare on the caller's thread. *prepared
@@ -212,8 +212,8 @@ shb_filter shb_filter_bitmask(float light_size, int window, int samples);
  * 1. The search looks for blockers in the part of the map that the light spans on the near plane,
  *    as seen from the fragment: blocker_samples taps on a disk, or 0: every texel of a square.
  * 2. The penumbra of a blocker is w = (d_fragment - d_blocker) / d_blocker * light_size wide at the
- *    fragment, with distances from the light along its axis (Schwaerzler 2009, eq. 5.6). Taken is
- *    the mean over all blockers found, which is the w of their mean map depth.
+ *    fragment, with distances from the light along its axis (Schwaerzler 2009, eq. 5.6). The
+ *    mean over all blockers found is taken: that is the w of their mean map depth.
  * 3. The answer is the lit share of a kernel of that width: filter_samples taps on a disk, or 0:
  *    every texel of a square.
  * light_size is the width of the light, which lies parallel to the map: in world units at the

@@ -13,10 +13,10 @@ typedef struct shb_map_desc {
     uint32_t width;  /* texels, 1 .. SHB_SIZE_MAX */
     uint32_t height; /* 0: the width */
     shb_format format;
-    double scene_scale; /* world units; 0: the diagonal of the box of what is drawn (a pass over its
-                           vertices at each drawing) or, for a wrapped map, of the box of the
-                           light's frustum (if the far plane is at infinity only up to depth 0.5,
-                           twice as far as the near plane: give the scale then) */
+    double scene_scale; /* the size of the scene, world units, at least 0. 0: the diagonal of the
+                           box of what is drawn, for which each drawing passes over its vertices;
+                           of a wrapped map, that of the box of the light's frustum, which counts up
+                           to twice the near distance if it has no end: give the scale then */
     shb_occluders occluders; /* kept when the map is drawn, for the exact method */
     size_t occluder_memory;  /* the most bytes that lists may take; 0: as many as they need. Lists
                                 that would take more are made for texels twice as wide, or four
@@ -104,11 +104,11 @@ typedef struct shb_points {
 
 /* Visibility of the light from count points: 0 shadowed .. 1 lit. filter NULL: hard. Allocates
  * nothing, but needs up to 250 KB of stack; may be called from any number of threads at once.
- * SHB_ERROR_UNSUPPORTED if method or filter needs normals that are missing or a map that was drawn
- * or prepared for it, or if they do not go together; SHB_ERROR_ARGUMENT for NULL pointers, bad
- * alignments and strides, weights without ids or one without the other, and ids that the map's
- * scene does not have if the exact method may read them (SHB_ID_NONE, unknown, is allowed where
- * there are no weights); SHB_ERROR_SIZE if count times a stride overflows. */
+ * SHB_ERROR_UNSUPPORTED if normals are missing that method or filter needs, if the map was not
+ * drawn or prepared for them, or if they do not go together; SHB_ERROR_ARGUMENT for NULL pointers,
+ * bad alignments and strides, weights without ids or one weight without the other, and ids that the
+ * map's scene does not have if the exact method may read them (SHB_ID_NONE, unknown, is allowed
+ * where there are no weights); SHB_ERROR_SIZE if count times a stride overflows. */
 shb_result shb_map_visibility(const shb_map *map, const shb_points *points, const shb_bias *bias,
                               const shb_filter *filter, float *visibility);
 

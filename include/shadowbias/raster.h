@@ -75,11 +75,11 @@ shb_result shb_draw(shb_context *context, const shb_draw_desc *desc, shb_draw_st
  * drew in them. It pays where much of the images stays empty.
  *
  * The host zeroes the marks once, and again whenever anything but a drawing with these marks has
- * written to one of the images. A drawing with other images, strides, formats, sizes or the other
- * view.reversed than the one before notices by itself and clears everything. So does, as without
- * marks, every drawing whose depth is not float32, whose strides differ, whose width is no multiple
- * of 16, or whose threads share a target of at most 2048 by 2048 samples between many small
- * triangles. Marks need no alignment. */
+ * written to one of the images. A drawing whose images, strides, formats, size or view.reversed are
+ * not those of the drawing before notices it by itself and clears everything. Marks are of no use,
+ * and everything is cleared, if depth is not float32, the images' strides differ from each other,
+ * the width is no multiple of 16, or several threads draw many small triangles into a target of at
+ * most 2048 by 2048 samples. Marks need no alignment. */
 size_t shb_clear_marks_size(uint32_t width, uint32_t height);
 
 /* The bytes of a texel: 4 or 2; 0 for an unknown format. */

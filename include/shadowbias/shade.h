@@ -9,15 +9,15 @@
 extern "C" {
 #endif
 
-#define SHB_LIGHTS_MAX 16
+#define SHB_LIGHTS_MAX 16 /* lights of a frame */
 
 /* What a camera saw: the view it was drawn with and the triangle ids that shb_draw wrote. */
 typedef struct shb_frame {
     const shb_view *view;
     const shb_scene *scene;
-    uint32_t width, height;
-    const uint32_t *ids;
-    size_t id_stride; /* bytes; 0: rows without gaps */
+    uint32_t width, height; /* pixels, 1 .. SHB_SIZE_MAX */
+    const uint32_t *ids;    /* aligned to 4 bytes; SHB_ID_NONE: no fragment */
+    size_t id_stride;       /* bytes, a multiple of 4; 0: rows without gaps */
 } shb_frame;
 
 /* A batch of fragments: covered pixels of a few rows, row by row and from left to right. The
@@ -60,7 +60,7 @@ typedef struct shb_shade_light {
     const shb_map *map;
     const shb_bias *bias;
     const shb_filter *filter; /* NULL: hard */
-    float color[3];           /* linear, 1 is full */
+    float color[3];           /* linear red, green and blue, finite; 1 is full */
 } shb_shade_light;
 
 typedef struct shb_shade_args {
@@ -69,7 +69,7 @@ typedef struct shb_shade_args {
     size_t light_count;
     const shb_shade_light *lights;
     const shb_lighting *lighting; /* one a light */
-    const void *user;
+    const void *user;             /* shb_shade_desc.user */
     /* out: linear colour, SHB_BATCH elements each, black before the call. The image gets the square
      * root (a display gamma of 2) clamped to 0 .. 1 and rounded to the nearest 1 / 255; NaN is 0 */
     float *red;
@@ -83,17 +83,17 @@ typedef void shb_shade_fn(const shb_shade_args *args);
 
 typedef struct shb_shade_desc {
     shb_frame frame;
-    const shb_shade_light *lights;
-    size_t light_count; /* 0 .. SHB_LIGHTS_MAX */
+    const shb_shade_light *lights; /* may be NULL if there are none */
+    size_t light_count;            /* 0 .. SHB_LIGHTS_MAX */
     shb_shade_fn *shade;
-    const void *user;
-    float background[3]; /* linear colour of pixels without a fragment */
+    const void *user;    /* for shade */
+    float background[3]; /* linear colour of pixels without a fragment, finite */
     /* Triangles turn away from a light, and into each other's shadow, before the smooth surface
      * that the mesh's normals describe does: low-poly shapes show dark facets at the terminator.
-     * True: lights are asked at the point moved out to that surface (Hanika 2021, Hacking the
-     * shadow terminator, Ray Tracing Gems II, chapter 4), also where the triangle faces away, with
-     * the tangent plane of that surface; what faces a light is decided by the shading normal alone.
-     * Meshes without normals are shaded as without the option. */
+     * True: visibility is asked at the point moved out to that surface (Hanika 2021, Hacking the
+     * shadow terminator, Ray Tracing Gems II, chapter 4). Where the triangle faces away it is asked
+     * as well, with the tangent plane of that surface; the shading normal alone decides what faces
+     * a light. Meshes without normals are shaded as without the option. */
     bool smooth_terminator;
     shb_image image; /* pixels NULL: none is written, the callback may keep what it wants */
 } shb_shade_desc;
