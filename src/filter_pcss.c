@@ -110,10 +110,6 @@ static shb_result prepare(const shb_map *map, const shb_filter *filter, void **p
     return SHB_OK;
 }
 
-static void release(const shb_map *map, void *prepared) {
-    shb_pyramid_destroy(map, prepared);
-}
-
 shb_filter shb_filter_pcss(float light_size, int blocker_samples, int filter_samples,
                            shb_taps taps) {
     return (shb_filter){
@@ -121,7 +117,7 @@ shb_filter shb_filter_pcss(float light_size, int blocker_samples, int filter_sam
         .filter = pcss_filter,
         .exact = pcss_exact,
         .prepare = prepare,
-        .release = release,
+        .release = shb_pyramid_destroy,
         .needs = SHB_NEEDS_SAMPLES | shb_filter_needs_of(SHB_UNIT_TEXEL, taps),
         .params = {light_size, (float)blocker_samples, (float)filter_samples, (float)taps}};
 }

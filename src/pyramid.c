@@ -104,6 +104,6 @@ shb_pyramid *shb_pyramid_create(const shb_map *map, size_t *bytes) {
     return pyramid;
 }
 
-void shb_pyramid_destroy(const shb_map *map, shb_pyramid *pyramid) {
+void shb_pyramid_destroy(const shb_map *map, void *pyramid) {
     shb_free(map->context, pyramid);
 }

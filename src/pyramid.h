@@ -33,7 +33,7 @@ typedef struct shb_pyramid {
 /* NULL: out of memory. bytes receives what it takes. */
 shb_pyramid *shb_pyramid_create(const shb_map *map, size_t *bytes);
 
-/* NULL is ignored. */
-void shb_pyramid_destroy(const shb_map *map, shb_pyramid *pyramid);
+/* What pcss releases; NULL is ignored. */
+void shb_pyramid_destroy(const shb_map *map, void *pyramid);
 
 #endif
