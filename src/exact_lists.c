@@ -60,11 +60,6 @@ void shb_unsure_points_ask(shb_unsure_points *unsure, const shb_exact_points *po
     const size_t left = shb_exact_settle(unsure->map, points, unsure->visibility + first, numbers);
     if (waiting->count + left > SHB_BATCH)
         shb_unsure_points_end(unsure);
-    for (size_t k = 0; k < left; k++) {
-        const size_t place = waiting->count++, i = numbers[k];
-        unsure->numbers[place] = first + i;
-        waiting->x[place] = points->x[i];
-        waiting->y[place] = points->y[i];
-        waiting->z[place] = points->z[i];
-    }
+    for (size_t k = 0; k < left; k++)
+        unsure->numbers[shb_exact_points_add(points, numbers[k], waiting)] = first + numbers[k];
 }

@@ -64,16 +64,11 @@ void shb_exact_points_of(const shb_map *map, size_t count, const shb_own_triangl
 
 void shb_exact_points_pick(const shb_exact_points *from, const uint16_t *numbers, size_t count,
                            shb_exact_points *to) {
-    to->count = count;
+    to->count = 0;
     to->has_ids = from->has_ids;
     to->are_exact = from->are_exact;
-    for (size_t k = 0; k < count; k++) {
-        const size_t i = numbers[k];
-        to->x[k] = from->x[i];
-        to->y[k] = from->y[i];
-        to->z[k] = from->z[i];
-        to->own_ids[k] = from->own_ids[i];
-    }
+    for (size_t k = 0; k < count; k++)
+        shb_exact_points_add(from, numbers[k], to);
     fill_group(to);
 }
 

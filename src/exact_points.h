@@ -37,6 +37,17 @@ typedef struct shb_exact_points {
 void shb_exact_points_of(const shb_map *map, size_t count, const shb_own_triangles *own,
                          const shb_receivers *receivers, shb_exact_points *points);
 
+/* Adds a point of another batch, for which there is room; returns its number. */
+static inline size_t shb_exact_points_add(const shb_exact_points *from, size_t i,
+                                          shb_exact_points *to) {
+    const size_t n = to->count++;
+    to->x[n] = from->x[i];
+    to->y[n] = from->y[i];
+    to->z[n] = from->z[i];
+    to->own_ids[n] = from->own_ids[i];
+    return n;
+}
+
 /* The points of these numbers. */
 void shb_exact_points_pick(const shb_exact_points *from, const uint16_t *numbers, size_t count,
                            shb_exact_points *to);

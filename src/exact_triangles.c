@@ -116,12 +116,8 @@ static void leave_to_walks(shb_triangle_points *asked, size_t i) {
     shb_left_points *left = &asked->left;
     if (SHB_WALK_CROWD - left->crowd.count < 4)
         end_walks(asked);
-    const uint32_t point = (uint32_t)left->points.count++;
+    const uint32_t point = (uint32_t)shb_exact_points_add(&p->points, i, &left->points);
     left->numbers[point] = p->numbers[i];
-    left->points.x[point] = p->points.x[i];
-    left->points.y[point] = p->points.y[i];
-    left->points.z[point] = p->points.z[i];
-    left->points.own_ids[point] = p->points.own_ids[i];
     add_walks(p, i, point, &left->crowd);
     if (p->found[i] & met)
         return;
