@@ -227,7 +227,7 @@ bool shb_quick_test_of(const shb_map *map, const shb_quick_bias *bias,
     return !bias->plane || set_slopes(&map->projection, (double)test->normal, &x, &y, &z, test);
 }
 
-static bool constant_epsilon(const shb_map *map, const shb_bias *bias, double epsilon[3]) {
+static void constant_epsilon(const shb_map *map, const shb_bias *bias, double epsilon[3]) {
     const double amount = (double)bias->params[0];
     const float unit = bias->params[1];
     if (unit == SHB_UNIT_TEXEL)
@@ -236,7 +236,6 @@ static bool constant_epsilon(const shb_map *map, const shb_bias *bias, double ep
         epsilon[2] = amount * map->projection.depth_scale;
     else
         epsilon[0] = amount;
-    return true;
 }
 
 bool shb_quick_bias_of(const shb_map *map, const shb_bias *bias, shb_quick_bias *quick) {
@@ -244,14 +243,14 @@ bool shb_quick_bias_of(const shb_map *map, const shb_bias *bias, shb_quick_bias 
                                        bias->depth == shb_adaptive_depth};
     if (bias->offset || bias->needs & SHB_NEEDS_OCCLUDERS)
         return false;
-    if (!bias->depth)
-        return true;
     if (bias->depth == shb_constant_depth)
-        return constant_epsilon(map, bias, quick->epsilon);
-    if (bias->depth == shb_receiver_plane_depth)
+        constant_epsilon(map, bias, quick->epsilon);
+    else if (bias->depth == shb_receiver_plane_depth)
         quick->epsilon[0] = (double)bias->params[0];
     else if (bias->depth == shb_adaptive_depth)
         quick->epsilon[2] =
             map->projection.depth_scale * (double)shb_world_epsilon(&map->info, bias);
-    return quick->plane;
+    else
+        return !bias->depth;
+    return true;
 }

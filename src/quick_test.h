@@ -48,8 +48,8 @@ typedef struct shb_quick_test {
     int32_t texel_x, texel_y;
     float depth, farthest;
     float epsilon[3];
-    /* A coordinate is sure nearer than this to the middle of its texel, a comparison farther than
-     * error from equality. */
+    /* A texel is sure where the coordinate lies nearer than this to its middle, and a comparison
+     * where both sides differ by more than error. */
     float sure, error;
     /* The elements that a plane's slopes are made of, as in k_project.inl, and by what their
      * errors count: as 1 / n.xy, as the slopes over it, as the slopes; and how much that may be. */
