@@ -137,11 +137,13 @@ TEST(maps_have_the_size_of_their_case_before_that_of_the_options) {
     shb_context_destroy(context);
 }
 
-static shb_errors errors_of_case(shb_context *context, const char *name, const char *method) {
+static shb_errors errors_of_case(const char *name, const char *method) {
+    shb_context *context = test_context(2, SHB_ISA_BEST);
     const stability_case c = case_of(name);
     stability_stage stage = stage_of(context, &c);
     const shb_errors errors = errors_in(&stage, method);
     stability_stage_close(&stage);
+    shb_context_destroy(context);
     return errors;
 }
 
@@ -149,40 +151,34 @@ static shb_errors errors_of_case(shb_context *context, const char *name, const c
 TEST(lists_have_no_errors_away_from_boundaries) {
     static const char *const names[] = {"corner", "stair-sheet-600", "wall-0.1", "wedge-1",
                                         "slivers"};
-    shb_context *context = test_context(2, SHB_ISA_BEST);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        const shb_errors errors = errors_of_case(context, names[i], "exact-lists");
+        const shb_errors errors = errors_of_case(names[i], "exact-lists");
         CHECK(errors.lit > 1000);
         CHECK_INT(errors.false_shadow, 0);
         CHECK_INT(errors.false_light, 0);
     }
-    shb_context_destroy(context);
 }
 
 /* Facets that are turned alike and lie side by side in a texel look like sheets one above the
  * other; without a look at the texels around them more than 6 % are in false shadow. */
 TEST(planes_leave_reliefs_finer_than_texels_in_their_own_light) {
     static const char *const names[] = {"relief-0.1", "relief-0.25", "relief-0.5"};
-    shb_context *context = test_context(2, SHB_ISA_BEST);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        const shb_errors errors = errors_of_case(context, names[i], "exact-planes");
+        const shb_errors errors = errors_of_case(names[i], "exact-planes");
         CHECK(errors.lit > 1000);
         CHECK(errors.false_shadow_ppm < 2000);
     }
-    shb_context_destroy(context);
 }
 
 /* Sheets that lie less than a texel apart, and the ground beside a box. */
 TEST(planes_keep_the_shadows_of_sheets_that_lie_close) {
     static const char *const names[] = {"gap-1e-6", "gap-1e-5", "gap-1e-4", "contact-1e-4",
                                         "wedge-1"};
-    shb_context *context = test_context(2, SHB_ISA_BEST);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        const shb_errors errors = errors_of_case(context, names[i], "exact-planes");
+        const shb_errors errors = errors_of_case(names[i], "exact-planes");
         CHECK(errors.shadowed > 500);
         CHECK_INT(errors.false_light, 0);
     }
-    shb_context_destroy(context);
 }
 
 static uint64_t wrong(const shb_errors *errors) {
