@@ -1,6 +1,6 @@
-/* The loops of asking lists. A question is one triangle's cache line against a run of points. Its
- * lines come from all over the memory, so they are fetched ahead, and what a question says is not
- * branched on: few could be foreseen. */
+/* The loops of asking lists. A question is about one triangle and a run of points. Triangles lie
+ * all over the memory, so their cache lines are fetched ahead; and nothing branches on an answer,
+ * as few branches would be predicted. */
 
 /* Questions whose triangles are fetched before they are asked. */
 enum { LIST_ASK_AHEAD = 24 };

@@ -105,7 +105,7 @@ static inline uint32_t open_windows(const shb_list_cover *cover, const list_batc
     const float *farthest = cover->farthest + (size_t)(row / SHB_LIST_BLOCK) * SHB_LIST_BLOCKS;
     const float slope_x = b->slope_x[t], slope_y = b->slope_y[t];
     const float nearest =
-        (slope_y * top + b->begin[t]) + 3 * size * (list_minf(slope_x, 0) + list_minf(slope_y, 0));
+        (slope_y * top + b->begin[t]) + 3 * size * (float_min(slope_x, 0) + float_min(slope_y, 0));
     uint32_t open = 0;
     for (int i = 0; i < SHB_LIST_BLOCKS; i += WIDE) {
         const vf x = left + (SHB_LIST_BLOCK * size) * vf_load(numbers + i);
@@ -224,11 +224,11 @@ static inline void find_farthest_of_row(const float *far, size_t stride, size_t 
                                         float out[SHB_LIST_BLOCKS + 1]) {
     float most[SHB_LIST_TILE];
     for (size_t i = 0; i < blocks * SHB_LIST_BLOCK; i++)
-        most[i] = list_maxf(list_maxf(far[i], far[i + stride]),
-                            list_maxf(far[i + 2 * stride], far[i + 3 * stride]));
+        most[i] = float_max(float_max(far[i], far[i + stride]),
+                            float_max(far[i + 2 * stride], far[i + 3 * stride]));
     for (size_t i = 0; i < blocks; i++)
-        out[i] = list_maxf(list_maxf(most[4 * i], most[4 * i + 1]),
-                           list_maxf(most[4 * i + 2], most[4 * i + 3]));
+        out[i] = float_max(float_max(most[4 * i], most[4 * i + 1]),
+                           float_max(most[4 * i + 2], most[4 * i + 3]));
     for (size_t i = blocks; i <= SHB_LIST_BLOCKS; i++)
         out[i] = -HUGE_VALF;
 }
@@ -247,7 +247,7 @@ static void find_farthest(shb_list_cover *cover) {
         find_farthest_of_row(cover->far + row * SHB_LIST_BLOCK * stride, stride, blocks, here);
         for (size_t i = 0; i < SHB_LIST_BLOCKS; i++)
             farthest[i] =
-                list_maxf(list_maxf(here[i], here[i + 1]), list_maxf(below[i], below[i + 1]));
+                float_max(float_max(here[i], here[i + 1]), float_max(below[i], below[i + 1]));
     }
 }
 

@@ -71,16 +71,16 @@ static void bound_triangles(const shb_list_frame *frame, const shb_list_corners 
     const double *e = frame->errors;
     for (int i = 0; i < LIST_LANES; i++) {
         const double inverse =
-            list_max(list_max(c->inverse_w[0][i], c->inverse_w[1][i]), c->inverse_w[2][i]);
-        const double lo_x = list_min(list_min(c->x[0][i], c->x[1][i]), c->x[2][i]);
-        const double hi_x = list_max(list_max(c->x[0][i], c->x[1][i]), c->x[2][i]);
-        const double lo_y = list_min(list_min(c->y[0][i], c->y[1][i]), c->y[2][i]);
-        const double hi_y = list_max(list_max(c->y[0][i], c->y[1][i]), c->y[2][i]);
-        const double lo_z = list_min(list_min(c->z[0][i], c->z[1][i]), c->z[2][i]);
-        const double hi_z = list_max(list_max(c->z[0][i], c->z[1][i]), c->z[2][i]);
-        const double far_x = list_max(list_max(-lo_x, hi_x), width);
-        const double far_y = list_max(list_max(-lo_y, hi_y), height);
-        const double far_z = list_max(-lo_z, hi_z);
+            double_max(double_max(c->inverse_w[0][i], c->inverse_w[1][i]), c->inverse_w[2][i]);
+        const double lo_x = double_min(double_min(c->x[0][i], c->x[1][i]), c->x[2][i]);
+        const double hi_x = double_max(double_max(c->x[0][i], c->x[1][i]), c->x[2][i]);
+        const double lo_y = double_min(double_min(c->y[0][i], c->y[1][i]), c->y[2][i]);
+        const double hi_y = double_max(double_max(c->y[0][i], c->y[1][i]), c->y[2][i]);
+        const double lo_z = double_min(double_min(c->z[0][i], c->z[1][i]), c->z[2][i]);
+        const double hi_z = double_max(double_max(c->z[0][i], c->z[1][i]), c->z[2][i]);
+        const double far_x = double_max(double_max(-lo_x, hi_x), width);
+        const double far_y = double_max(double_max(-lo_y, hi_y), height);
+        const double far_z = double_max(-lo_z, hi_z);
         const double x = (e[0] + far_x * e[3]) * inverse, y = (e[1] + far_y * e[3]) * inverse;
         const double z = (e[2] + far_z * e[3]) * inverse;
         spread->inverse_w[i] = inverse;
@@ -92,13 +92,13 @@ static void bound_triangles(const shb_list_frame *frame, const shb_list_corners 
         const double left = lo_x - (4 * x + rim), right = hi_x + (4 * x + rim);
         const double top = lo_y - (4 * y + rim), bottom = hi_y + (4 * y + rim);
         const int seen = (right >= 0) & (left <= width) & (bottom >= 0) & (top <= height);
-        out->first_column[i] = (int32_t)list_min(list_max(left, 0), width - 1);
-        out->last_column[i] = (int32_t)list_min(list_max(right, 0), width - 1);
-        out->first_row[i] = seen ? (int32_t)list_min(list_max(top, 0), height - 1) : UINT16_MAX;
-        out->last_row[i] = seen ? (int32_t)list_min(list_max(bottom, 0), height - 1) : 0;
+        out->first_column[i] = (int32_t)double_min(double_max(left, 0), width - 1);
+        out->last_column[i] = (int32_t)double_min(double_max(right, 0), width - 1);
+        out->first_row[i] = seen ? (int32_t)double_min(double_max(top, 0), height - 1) : UINT16_MAX;
+        out->last_row[i] = seen ? (int32_t)double_min(double_max(bottom, 0), height - 1) : 0;
         const double rounded = (frame->rounding_z + far_z * frame->rounding_w) * inverse;
         const double level = ((lo_z - 4 * z - rounded) - frame->level_origin) * frame->levels;
-        out->level[i] = (int32_t)list_min(list_max(level, 0), SHB_LIST_LEVELS - 1);
+        out->level[i] = (int32_t)double_min(double_max(level, 0), SHB_LIST_LEVELS - 1);
     }
 }
 

@@ -12,7 +12,7 @@ static void place_points(const shb_list_frame *frame, shb_list_group *restrict g
         const double x = shb_list_row(f.rows[0], px, py, pz) * inverse;
         const double y = shb_list_row(f.rows[1], px, py, pz) * inverse;
         const double depth = shb_list_row(f.rows[2], px, py, pz) * inverse;
-        const double size = list_max(list_max(fabs(px), fabs(py)), fabs(pz));
+        const double size = double_max(double_max(fabs(px), fabs(py)), fabs(pz));
         const int seen = (w > 0) & (x >= 0) & (x < f.width) & (y >= 0) & (y < f.height) &
                          (fabs(depth) < HUGE_VAL);
         g->x[i] = x;

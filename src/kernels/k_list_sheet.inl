@@ -165,7 +165,7 @@ static void find_far_cells(shb_list_cover *cover) {
             continue;
         const uint32_t column = cell % columns, row = cell / columns;
         float *far = &cover->far[row * (columns + SHB_LIST_BLOCK) + column];
-        *far = list_minf(*far, farthest_of_cell(cover, column, row));
+        *far = float_min(*far, farthest_of_cell(cover, column, row));
         is_nearer[cell] = false;
         cover->is_nearer = true;
     }

@@ -42,7 +42,7 @@ static inline double least_lane(wd v) {
     wd_store(lanes, v);
     double least = lanes[0];
     for (int i = 1; i < DOUBLES; i++)
-        least = list_min(lanes[i], least);
+        least = double_min(lanes[i], least);
     return least;
 }
 
@@ -71,7 +71,7 @@ static void see_vertices(const shb_list_frame *frame, const shb_mat4 *transform,
         nearest = wd_min(wd_where_greater(v.seen[3], none, v.seen[2], nearest), nearest);
         farthest = wd_max(wd_where_greater(v.seen[3], none, v.seen[2], farthest), farthest);
     }
-    extent->reach = list_max(-least_lane(none - reach), extent->reach);
-    extent->nearest = list_min(least_lane(nearest), extent->nearest);
-    extent->farthest = list_max(-least_lane(none - farthest), extent->farthest);
+    extent->reach = double_max(-least_lane(none - reach), extent->reach);
+    extent->nearest = double_min(least_lane(nearest), extent->nearest);
+    extent->farthest = double_max(-least_lane(none - farthest), extent->farthest);
 }

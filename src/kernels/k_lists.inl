@@ -7,28 +7,13 @@
 
 #include "../clip.h"
 #include "lists.h"
+#include "min_max.h"
 #include "vectors.h"
 
 #include "kept_lanes.h"
 #include "lane_masks.h"
 
 enum { LIST_LANES = SHB_LIST_LANES };
-
-static inline double list_min(double a, double b) {
-    return a < b ? a : b;
-}
-
-static inline double list_max(double a, double b) {
-    return a > b ? a : b;
-}
-
-static inline float list_minf(float a, float b) {
-    return a < b ? a : b;
-}
-
-static inline float list_maxf(float a, float b) {
-    return a > b ? a : b;
-}
 
 #include "k_list_vertices.inl"
 

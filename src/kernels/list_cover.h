@@ -21,8 +21,8 @@ typedef struct shb_list_block {
 /* The sheets that are being made. */
 typedef struct shb_list_sheets {
     shb_list_block blocks[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS];
-    bool is_nearer[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS]; /* of cells: texels in them have come to hide
-                                                          more */
+    bool is_nearer[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS]; /* of cells: some of their texels hide more
+                                                          than when far was found */
 } shb_list_sheets;
 
 /* Entries in the order of triangles, and the cell of each. */
@@ -49,7 +49,7 @@ typedef struct shb_list_cover {
     shb_list_sheets sheets;                            /* with_sheets */
     float farthest[SHB_LIST_BLOCKS * SHB_LIST_BLOCKS]; /* of the cells of windows that begin in each
                                                           block, SHB_LIST_BLOCKS a row */
-    bool is_nearer;                                    /* some cells have become so since */
+    bool is_nearer;                                    /* some cells hide more since then */
     bool is_hiding;                                    /* some cell hides what lies behind */
     int32_t lane_cells[SHB_LIST_LANES];                /* of a window, from its first one on */
     /* what is made, without the rim */

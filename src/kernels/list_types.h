@@ -28,11 +28,11 @@ typedef struct shb_list_places {
     double world[3][SHB_LIST_GROUP];
 } shb_list_places;
 
-/* The most that rounding of a point's coordinates may move it in the map where it is told something
- * by sheets, texels. */
+/* Sheets answer points that rounding of their coordinates moves by no more than this in the map,
+ * texels. */
 #define SHB_LIST_POINT_MARGIN 0x1p-8
 
-/* More than corners are off by in the map where outlines are known, texels. */
+/* Corners of known outlines are off by less than this in the map, texels. */
 #define SHB_LIST_CORNER 0x1p-10
 
 /* A triangle's outline in the map, as the light sees it, for the proof that triangles together
@@ -46,9 +46,8 @@ typedef struct shb_list_outline {
                              which texels it may lie */
 } shb_list_outline;
 
-/* What a triangle that covers a texel's sample adds to its sums, and one whose outline is not
- * known.
- */
+/* What a triangle that covers a texel's sample adds to its two sums, and what one whose outline is
+ * not known adds to the second. */
 #define SHB_LIST_SHEET_0 0x9e3779b9u
 #define SHB_LIST_SHEET_1 0x85ebca6bu
 #define SHB_LIST_UNKNOWN_1 0x27d4eb2fu

@@ -14,9 +14,9 @@ typedef struct shb_list_kernels {
                 shb_list_vertex vertices[SHB_LIST_GROUP], shb_list_extent *extent);
 
     /* Prepares triangles, whose corners are at these vertices; names tell vertices apart by their
-     * places in the world. Returns those, one bit each, that
-     * have a corner in front of the near plane or too near to the light's own: what is written of
-     * them is of no use. */
+     * places in the world, NULL: outlines are not wanted. Returns those, one bit each, that have a
+     * corner in front of the near plane or too near to the light's own: what is written of them is
+     * of no use. */
     uint32_t (*prepare)(const shb_list_frame *frame, const shb_list_vertex *vertices,
                         const uint64_t *names, const uint32_t *const corners[SHB_LIST_LANES],
                         shb_list_triangle triangles[SHB_LIST_LANES],

@@ -9,9 +9,8 @@
 /* Elements to a row of a tile: vectors may write behind it. */
 #define SHB_SHEET_PITCH (SHB_SHEET_TILE + 16)
 
-/* What a triangle of the front adds to a texel: it covers the point where it is counted; or it
- * has an edge there with
- * nothing beyond it. */
+/* What a triangle of the front adds to a texel: it covers the point where triangles are counted; or
+ * it has an edge there with nothing beyond it. */
 enum { SHB_SHEET_COVERED = 1, SHB_SHEET_BROKEN = 2 };
 
 /* A tile while triangles are laid over it. */
