@@ -40,15 +40,20 @@ typedef struct shb_lists {
     shb_buffer memory[SHB_LIST_KEPT]; /* where all the above is */
 } shb_lists;
 
-/* Builds lists, and sheets if they are wanted, of width by height texels of a view that can be
- * inverted, from a checked scene whose indices are in range. They have half that size, or a
- * quarter, and so on, if they would take more than memory_cap bytes otherwise; 0: no cap.
- * SHB_ERROR_MEMORY if one texel's would still take more, SHB_ERROR_SIZE for 2^32 vertices or more,
- * SHB_ERROR_NUMBER for a view without a light; *lists is untouched then. What a cell holds does not
- * depend on threads. Failures are logged in the name of caller. */
-shb_result shb_lists_build(shb_context *context, const char *caller, const shb_view *view,
-                           uint32_t width, uint32_t height, const shb_scene *scene,
-                           size_t memory_cap, bool with_sheets, shb_lists **lists);
+typedef struct shb_lists_desc {
+    const char *caller;     /* in whose name failures are logged */
+    const shb_scene *scene; /* checked, its indices are in range */
+    const shb_view *view;   /* can be inverted */
+    uint32_t width, height; /* texels */
+    size_t memory_cap;      /* bytes; 0: none */
+    bool with_sheets;
+} shb_lists_desc;
+
+/* Builds lists. They have half the size, or a quarter, and so on, if they would take more than the
+ * cap otherwise. SHB_ERROR_MEMORY if one texel's would still take more, SHB_ERROR_SIZE for 2^32
+ * vertices or more, SHB_ERROR_NUMBER for a view without a light; *lists is untouched then. What a
+ * cell holds does not depend on threads. */
+shb_result shb_lists_build(shb_context *context, const shb_lists_desc *desc, shb_lists **lists);
 
 /* Both free lists; NULL is ignored. The first keeps their memory in the context for the next ones:
  * only where nothing else is built at the same time. */

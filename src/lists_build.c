@@ -11,10 +11,9 @@
 
 typedef struct build {
     shb_context *context;
-    const shb_scene *scene;
+    const shb_lists_desc *desc;
     shb_lists *lists;
     size_t vertex_count;
-    bool with_sheets;
     size_t entries;
 } build;
 
@@ -35,16 +34,16 @@ static bool reserve_scene(build *b) {
 
 static bool load(build *b, shb_list_bins *bins) {
     const size_t runs = shb_list_vertex_runs(b->vertex_count);
+    const bool with_sheets = b->desc->with_sheets;
     const shb_list_loading loading = {
         .lists = b->lists,
-        .scene = b->scene,
+        .scene = b->desc->scene,
         .vertices = reserve(b, SHB_LIST_VERTICES, b->vertex_count, sizeof(shb_list_vertex)),
-        .names =
-            b->with_sheets ? reserve(b, SHB_LIST_NAMES, b->vertex_count, sizeof(uint64_t)) : NULL,
+        .names = with_sheets ? reserve(b, SHB_LIST_NAMES, b->vertex_count, sizeof(uint64_t)) : NULL,
         .vertex_count = b->vertex_count,
         .extents = reserve(b, SHB_LIST_EXTENTS, runs, sizeof(shb_list_extent)),
     };
-    if (!loading.vertices || (b->with_sheets && !loading.names) || !loading.extents)
+    if (!loading.vertices || (with_sheets && !loading.names) || !loading.extents)
         return false;
     shb_list_load_vertices(&loading);
     return shb_list_bins_fill(&loading, bins);
@@ -82,7 +81,7 @@ static size_t memory_of(const build *b, size_t tiles, size_t cells) {
 static bool reserve_sheets(build *b) {
     shb_lists *lists = b->lists;
     shb_sheets *sheets = &lists->sheets;
-    if (!b->with_sheets)
+    if (!b->desc->with_sheets)
         return true;
     sheets->width = lists->width;
     sheets->height = lists->height;
@@ -92,8 +91,9 @@ static bool reserve_sheets(build *b) {
     return sheets->bounds != NULL;
 }
 
-static outcome build_size(build *b, size_t memory_cap) {
+static outcome build_size(build *b) {
     shb_lists *lists = b->lists;
+    const size_t cap = b->desc->memory_cap;
     lists->tile_columns = (lists->width + SHB_LIST_TILE - 1) / SHB_LIST_TILE;
     lists->tile_rows = (lists->height + SHB_LIST_TILE - 1) / SHB_LIST_TILE;
     const size_t tiles = (size_t)lists->tile_columns * lists->tile_rows;
@@ -107,44 +107,44 @@ static outcome build_size(build *b, size_t memory_cap) {
     if (!lists->cells || !fill(b, &bins))
         return NO_MEMORY;
     lists->memory_bytes = memory_of(b, tiles, cells);
-    return memory_cap && lists->memory_bytes > memory_cap ? TOO_LARGE : FITS;
+    return cap && lists->memory_bytes > cap ? TOO_LARGE : FITS;
 }
 
 static uint32_t half_of(uint32_t size) {
     return size > 1 ? size / 2 : 1;
 }
 
-static shb_result no_memory(const build *b, const char *caller) {
+static shb_result no_memory(const build *b) {
     return shb_fail(b->context, SHB_ERROR_MEMORY, "%s: no memory for lists of %lu triangles",
-                    caller, (unsigned long)b->lists->id_count);
+                    b->desc->caller, (unsigned long)b->lists->id_count);
 }
 
 /* Builds at the largest size that fits. */
-static shb_result build_lists(build *b, const char *caller, const shb_view *view,
-                              size_t memory_cap) {
+static shb_result build_lists(build *b) {
+    const shb_lists_desc *desc = b->desc;
     shb_lists *lists = b->lists;
-    b->vertex_count = shb_list_vertex_count(b->scene);
+    b->vertex_count = shb_list_vertex_count(desc->scene);
     if (b->vertex_count > UINT32_MAX)
-        return shb_fail(b->context, SHB_ERROR_SIZE, "%s: lists cannot hold %zu vertices", caller,
-                        b->vertex_count);
+        return shb_fail(b->context, SHB_ERROR_SIZE, "%s: lists cannot hold %zu vertices",
+                        desc->caller, b->vertex_count);
     if (!reserve_scene(b))
-        return no_memory(b, caller);
+        return no_memory(b);
     for (;;) {
         const shb_result result =
-            shb_list_frame_init(view, lists->width, lists->height, &lists->frame);
+            shb_list_frame_init(desc->view, lists->width, lists->height, &lists->frame);
         if (result)
-            return shb_fail(b->context, result, "%s: the view has no light", caller);
-        if (b->with_sheets)
+            return shb_fail(b->context, result, "%s: the view has no light", desc->caller);
+        if (desc->with_sheets)
             lists->frame.rim = SHB_LIST_POINT_MARGIN + 2 * SHB_LIST_CORNER;
-        const outcome found = build_size(b, memory_cap);
+        const outcome found = build_size(b);
         if (found == FITS)
             return SHB_OK;
         if (found == NO_MEMORY)
-            return no_memory(b, caller);
+            return no_memory(b);
         if (lists->width == 1 && lists->height == 1)
             return shb_fail(b->context, SHB_ERROR_MEMORY,
                             "%s: lists of one texel take %zu bytes, desc.occluder_memory is %zu",
-                            caller, lists->memory_bytes, memory_cap);
+                            desc->caller, lists->memory_bytes, desc->memory_cap);
         lists->width = half_of(lists->width);
         lists->height = half_of(lists->height);
     }
@@ -158,18 +158,16 @@ static void take_memory(shb_context *context, shb_lists *lists) {
     }
 }
 
-shb_result shb_lists_build(shb_context *context, const char *caller, const shb_view *view,
-                           uint32_t width, uint32_t height, const shb_scene *scene,
-                           size_t memory_cap, bool with_sheets, shb_lists **lists) {
+shb_result shb_lists_build(shb_context *context, const shb_lists_desc *desc, shb_lists **lists) {
     shb_lists *made = shb_alloc(context, 1, sizeof *made);
     if (!made)
-        return shb_fail(context, SHB_ERROR_MEMORY, "%s: no memory for lists", caller);
+        return shb_fail(context, SHB_ERROR_MEMORY, "%s: no memory for lists", desc->caller);
     *made = (shb_lists){.context = context,
-                        .width = width,
-                        .height = height,
-                        .id_count = (uint32_t)shb_scene_triangle_count(scene)};
-    build b = {.context = context, .scene = scene, .lists = made, .with_sheets = with_sheets};
-    const shb_result result = build_lists(&b, caller, view, memory_cap);
+                        .width = desc->width,
+                        .height = desc->height,
+                        .id_count = (uint32_t)shb_scene_triangle_count(desc->scene)};
+    build b = {.context = context, .desc = desc, .lists = made};
+    const shb_result result = build_lists(&b);
     if (result) {
         shb_free(context, made);
         return result;

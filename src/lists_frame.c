@@ -83,8 +83,8 @@ static shb_list_extent join(size_t count, const shb_list_extent extents[]) {
     return all;
 }
 
-/* What rounding of a point to floats changes a row's product with it by, if no coordinate is larger
- * than size. */
+/* How much a row's product with a point may change where that is rounded to floats, if no
+ * coordinate is larger than size. */
 static double rounding_within(const shb_list_frame *frame, int row, double size) {
     const double *r = frame->rows[row];
     return 0x1.01p-24 * (fabs(r[0]) + fabs(r[1]) + fabs(r[2])) * size;

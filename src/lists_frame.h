@@ -11,15 +11,15 @@ typedef struct shb_list_frame {
     double rows[4][4];
     double near_depth;    /* canonical */
     double width, height; /* texels */
-    double rim;           /* that cells are taken as larger by on all sides, texels */
+    double rim;           /* cells are made larger by it on all sides, texels */
     shb_light_source light;
     double reach;     /* the largest coordinate of the scene */
     double errors[4]; /* bounds of the rounding of the rows' products, and of rays' drift */
     /* Depths are put in order by their level: (depth - level_origin) * levels, cut off at 0 and
      * SHB_LIST_LEVELS - 1; level_size = 1 / levels. */
     double level_origin, levels, level_size;
-    double rounding_z, rounding_w; /* what rounding a point of the scene to floats changes z w and w
-                                      by */
+    double rounding_z, rounding_w; /* how much z w and w may change where a point of the scene is
+                                      rounded to floats */
 } shb_list_frame;
 
 #define SHB_LIST_LEVELS 65536
@@ -44,7 +44,7 @@ shb_result shb_list_frame_init(const shb_view *view, uint32_t width, uint32_t he
 /* Errors and levels for a scene whose parts have these extents. */
 void shb_list_frame_fit(shb_list_frame *frame, size_t count, const shb_list_extent extents[]);
 
-/* What rounding of a point of the scene to floats changes a row's product with it by. */
+/* How much a row's product with a point of the scene may change where that is rounded to floats. */
 double shb_list_row_rounding(const shb_list_frame *frame, int row);
 
 /* A row's product with a point. */

@@ -9,8 +9,8 @@ typedef struct shb_list_loading {
     shb_lists *lists;
     const shb_scene *scene;
     shb_list_vertex *vertices; /* of the scene, as the light sees them */
-    uint64_t *names; /* of vertices: equal for those at the same place in the world, and only for
-                        them but once in 2^64; NULL: outlines are not wanted */
+    uint64_t
+        *names; /* hashes of the vertices' places in the world; NULL: outlines are not wanted */
     size_t vertex_count;
     shb_list_extent *extents; /* one for each run of vertices */
 } shb_list_loading;

@@ -7,10 +7,10 @@
 #include "level_sort.h"
 #include "lists_scratch.h"
 
-/* A tile has at least a cell for so many of its triangles, as long as it has fewer than texels.
- * With one for four, lists in a map of 1024 take 1.05 to 1.3 times as long to build and nearly as
- * long to ask; with one for sixteen, those of a height field of 180 thousand triangles an eighth
- * longer to ask. */
+/* A tile has at least one cell for so many of its triangles, but no more cells than texels. With
+ * one for four, lists in a map of 1024 take 1.05 to 1.3 times as long to build and nearly as long
+ * to ask; with one for sixteen, those of a height field of 180 thousand triangles an eighth longer
+ * to ask. */
 enum { TRIANGLES_PER_CELL = 8 };
 
 /* Room for entries that does for nearly every tile; where it does not, cells are larger. */
@@ -103,6 +103,21 @@ static void run_lane(void *arg, size_t lane) {
         fill_tile(job, tile, &job->covers[lane], job->spare + lane * job->bins->largest);
 }
 
+/* Entries take two words each when they are sorted and three before. */
+static void begin_cover(const tile_job *job, uint32_t *words, size_t capacity,
+                        shb_list_cover *cover) {
+    cover->triangles = job->lists->triangles;
+    cover->frame = &job->lists->frame;
+    cover->boxes = job->bins->shapes.boxes;
+    cover->outlines = job->bins->shapes.outlines;
+    cover->with_sheets = job->lists->sheets.bounds != NULL;
+    cover->entries = (shb_list_entry *)words;
+    cover->unsorted = (shb_list_unsorted){.triangles = words + 2 * capacity,
+                                          .cells = words + 3 * capacity,
+                                          .begins = (float *)(words + 4 * capacity),
+                                          .capacity = capacity};
+}
+
 bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t room,
                          size_t *entries) {
     shb_context *context = lists->context;
@@ -110,33 +125,17 @@ bool shb_list_tiles_fill(shb_lists *lists, const shb_list_bins *bins, size_t roo
     const size_t lanes = context->threads < bins->tiles ? context->threads : bins->tiles;
     /* The largest cells take as many entries as this at most, and what is written too much. */
     const size_t most = (bins->largest + 2) * SHB_LIST_LANES;
-    const size_t room_of_lane = most > ENTRIES ? most : ENTRIES;
-    if (!shb_buffer_reserve(context, &scratch[SHB_LIST_COVERS], lanes, sizeof(shb_list_cover)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_LIST_SPARE], lanes,
-                            (bins->largest + 1) * sizeof(uint64_t)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED], lanes * 5,
-                            room_of_lane * sizeof(uint32_t)))
+    const size_t capacity = most > ENTRIES ? most : ENTRIES;
+    tile_job job = {.lists = lists, .bins = bins, .room = room};
+    job.covers = shb_buffer_reserve(context, &scratch[SHB_LIST_COVERS], lanes, sizeof *job.covers);
+    job.spare = shb_buffer_reserve(context, &scratch[SHB_LIST_SPARE], lanes,
+                                   (bins->largest + 1) * sizeof *job.spare);
+    uint32_t *words = shb_buffer_reserve(context, &scratch[SHB_LIST_UNSORTED], lanes,
+                                         5 * capacity * sizeof *words);
+    if (!job.covers || !job.spare || !words)
         return false;
-    tile_job job = {.lists = lists,
-                    .bins = bins,
-                    .room = room,
-                    .covers = scratch[SHB_LIST_COVERS].data,
-                    .spare = scratch[SHB_LIST_SPARE].data};
-    for (size_t i = 0; i < lanes; i++) {
-        job.covers[i].triangles = lists->triangles;
-        job.covers[i].frame = &lists->frame;
-        job.covers[i].boxes = bins->shapes.boxes;
-        job.covers[i].outlines = bins->shapes.outlines;
-        job.covers[i].with_sheets = lists->sheets.bounds != NULL;
-        uint32_t *memory = (uint32_t *)scratch[SHB_LIST_UNSORTED].data + 5 * i * room_of_lane;
-        job.covers[i].entries = (shb_list_entry *)memory;
-        job.covers[i].unsorted = (shb_list_unsorted){
-            .triangles = memory + 2 * room_of_lane,
-            .cells = memory + 3 * room_of_lane,
-            .begins = (float *)(memory + 4 * room_of_lane),
-            .capacity = room_of_lane,
-        };
-    }
+    for (size_t i = 0; i < lanes; i++)
+        begin_cover(&job, words + 5 * i * capacity, capacity, &job.covers[i]);
     atomic_init(&job.next_tile, 0);
     atomic_init(&job.next_entry, 0);
     shb_parallel_for(context, run_lane, &job, lanes);

@@ -61,8 +61,14 @@ static shb_result measure_scene(const shb_map *map, const shb_scene *scene, doub
 static shb_result prepare_lists(const shb_map *map, const shb_scene *scene, drawing *made) {
     if (!made->keeps_lists)
         return SHB_OK;
-    return shb_lists_build(map->context, "shb_map_draw", &map->info.view, map->info.width,
-                           map->info.height, scene, map->lists_cap, map->classifies, &made->lists);
+    const shb_lists_desc desc = {.caller = "shb_map_draw",
+                                 .scene = scene,
+                                 .view = &map->info.view,
+                                 .width = map->info.width,
+                                 .height = map->info.height,
+                                 .memory_cap = map->lists_cap,
+                                 .with_sheets = map->classifies};
+    return shb_lists_build(map->context, &desc, &made->lists);
 }
 
 static shb_result prepare_occluders(const shb_map *map, const shb_scene *scene, drawing *made) {

@@ -26,9 +26,9 @@
  * altogether ends: what lies behind is shadowed.
  *
  * Rounding. A point may be off by rounding of its coordinates to float, at most `margin` texels
- * where its w is at least least_w; so everything that is said of a texel is made sure of for a
- * square that is larger by the margin on all sides, and a triangle begins and ends by as much
- * earlier and later as the depth of points on it may be off (k_sheets.inl). */
+ * where its w is at least least_w; so what is said of a texel holds for a square that is larger by
+ * the margin on all sides, and a triangle begins and ends by as much earlier and later as the depth
+ * of points on it may be off (k_sheet_triangles.inl). */
 #ifndef SRC_SHEETS_H
 #define SRC_SHEETS_H
 

@@ -73,9 +73,9 @@ static size_t count_beside_edge(float height, bool with_sheets) {
     shb_context *context = lists_context(1);
     const shb_view view = probe_orthographic(false);
     shb_lists *lists = NULL;
-    CHECK_INT(
-        shb_lists_build(context, "test", &view, SIZE, SIZE, soup_scene(&s), 0, with_sheets, &lists),
-        SHB_OK);
+    shb_lists_desc desc = lists_desc(&view, SIZE, soup_scene(&s));
+    desc.with_sheets = with_sheets;
+    CHECK_INT(shb_lists_build(context, &desc, &lists), SHB_OK);
     CHECK_INT(cell_at(lists, 16, SIZE / 2).count, 1);
     const size_t count = cell_at(lists, 15, SIZE / 2).count;
     shb_lists_destroy(lists);
@@ -173,17 +173,17 @@ TEST(lists_under_a_memory_cap_are_smaller_and_say_the_same) {
               *least = lists_of(context, &view, 1, scene);
     const size_t cap = (all->memory_bytes + 3 * least->memory_bytes) / 4;
     shb_lists *capped = NULL;
-    CHECK_INT(shb_lists_build(context, "test", &view, 512, 512, scene, cap, false, &capped),
-              SHB_OK);
+    shb_lists_desc desc = lists_desc(&view, 512, scene);
+    desc.memory_cap = cap;
+    CHECK_INT(shb_lists_build(context, &desc, &capped), SHB_OK);
     CHECK(capped->memory_bytes <= cap && capped->width < 512);
     list_samples a = list_samples_create(scene, 3000, 11), b = list_samples_create(scene, 3000, 11);
     list_samples_ask(all, &a, true, 0);
     list_samples_ask(capped, &b, true, 0);
     CHECK(memcmp(a.visibility, b.visibility, 3000 * sizeof(float)) == 0);
     shb_lists *none = NULL;
-    CHECK_INT(shb_lists_build(context, "test", &view, 512, 512, scene, least->memory_bytes - 1,
-                              false, &none),
-              SHB_ERROR_MEMORY);
+    desc.memory_cap = least->memory_bytes - 1;
+    CHECK_INT(shb_lists_build(context, &desc, &none), SHB_ERROR_MEMORY);
     CHECK(none == NULL);
     list_samples_free(&a);
     list_samples_free(&b);
@@ -265,7 +265,8 @@ TEST(lists_without_memory_fail_and_leak_nothing) {
         allocator.calls = 0;
         allocator.fail_at = step;
         shb_lists *lists = NULL;
-        result = shb_lists_build(context, "test", &view, 64, 64, soup_scene(&s), 0, false, &lists);
+        const shb_lists_desc lists_64 = lists_desc(&view, 64, soup_scene(&s));
+        result = shb_lists_build(context, &lists_64, &lists);
         CHECK(result == SHB_OK ? step > 10 : result == SHB_ERROR_MEMORY && !lists);
         shb_lists_destroy(lists);
         shb_context_destroy(context);

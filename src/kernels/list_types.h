@@ -46,10 +46,11 @@ typedef struct shb_list_outline {
                              which texels it may lie */
 } shb_list_outline;
 
-/* What a triangle that covers a texel's sample adds to its two sums, and what one whose outline is
- * not known adds to the second. */
+/* What a triangle that covers a texel's sample adds to its two sums. */
 #define SHB_LIST_SHEET_0 0x9e3779b9u
 #define SHB_LIST_SHEET_1 0x85ebca6bu
+
+/* What one whose outline is not known adds to the second sum. */
 #define SHB_LIST_UNKNOWN_1 0x27d4eb2fu
 
 /* Corners of triangles, lane by lane. */

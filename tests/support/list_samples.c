@@ -75,10 +75,16 @@ void lists_ask_one(const shb_lists *lists, double x, double y, double z, float *
     shb_lists_query(lists, &point, visibility);
 }
 
+shb_lists_desc lists_desc(const shb_view *view, uint32_t size, const shb_scene *scene) {
+    return (shb_lists_desc){
+        .caller = "test", .scene = scene, .view = view, .width = size, .height = size};
+}
+
 shb_lists *lists_of(shb_context *context, const shb_view *view, uint32_t size,
                     const shb_scene *scene) {
     shb_lists *lists = NULL;
-    CHECK_INT(shb_lists_build(context, "test", view, size, size, scene, 0, false, &lists), SHB_OK);
+    const shb_lists_desc desc = lists_desc(view, size, scene);
+    CHECK_INT(shb_lists_build(context, &desc, &lists), SHB_OK);
     return lists;
 }
 

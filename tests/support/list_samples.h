@@ -20,6 +20,9 @@ extern const lists_light lists_slanted, lists_grazing, lists_spot;
 /* Of the light, for a box and a map of this size. */
 shb_view lists_view(const lists_light *l, shb_box box, uint32_t size, bool reversed);
 
+/* Plain lists of size by size texels. */
+shb_lists_desc lists_desc(const shb_view *view, uint32_t size, const shb_scene *scene);
+
 /* The lists of a square map. */
 shb_lists *lists_of(shb_context *context, const shb_view *view, uint32_t size,
                     const shb_scene *scene);
