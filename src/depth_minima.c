@@ -3,6 +3,7 @@
 #include "depth_minima.h"
 
 #include "depth_rows.h"
+#include "format.h"
 
 typedef struct first_level {
     const shb_map *map;
@@ -22,7 +23,7 @@ static void find_cells(void *arg, size_t row) {
     const uint32_t columns = level->minima->columns[0];
     float *cells = level->minima->cells + row * columns;
     for (uint32_t column = 0; column < columns; column++)
-        cells[column] = near_depth + 1;
+        cells[column] = shb_far_depth(map->info.view.reversed);
     for (int32_t y = (int32_t)row * CELL; y < (int32_t)(row + 1) * CELL; y++)
         for (uint32_t column = 0; column < columns; column += SHB_BATCH / CELL) {
             float depths[SHB_BATCH];

@@ -4,6 +4,7 @@
 
 #include "filter_check.h"
 #include "filter_needs.h"
+#include "format.h"
 #include "kernels/shade.h"
 #include "pcss.h"
 #include "taps.h"
@@ -34,7 +35,7 @@ static void prepare_batch(const shb_filter_args *args, shb_pcss *pcss) {
     pcss->texels_x = to_float(texels_per_depth(projection, light_size, projection->texel_width));
     pcss->texels_y = to_float(texels_per_depth(projection, light_size, projection->texel_height));
     pcss->near_depth = reversed ? -1.0f : 0.0f;
-    pcss->far_depth = reversed ? 0.0f : 1.0f;
+    pcss->far_depth = shb_far_depth(reversed);
     pcss->blockers = tap_count(params[BLOCKERS]);
     pcss->samples = tap_count(params[SAMPLES]);
     pcss->own_depth = params[TAPS] == SHB_TAPS_OWN;

@@ -13,10 +13,12 @@
 #define TRIANGLES_PER_TASK 4096
 
 bool shb_placed_scene_make(shb_context *context, const shb_scene *scene, shb_placed_scene *placed) {
-    shb_buffer *buffer = &context->occluder_scratch[SHB_OCCLUDER_INSTANCES];
-    if (!shb_buffer_reserve(context, buffer, scene->instance_count, sizeof *placed->instances))
+    placed->count = scene->instance_count;
+    placed->instances =
+        shb_buffer_reserve(context, &context->occluder_scratch[SHB_OCCLUDER_INSTANCES],
+                           placed->count, sizeof *placed->instances);
+    if (!placed->instances)
         return false;
-    *placed = (shb_placed_scene){buffer->data, scene->instance_count};
     const shb_mat4 still = shb_mat4_identity();
     size_t first = 0;
     for (size_t i = 0; i < scene->instance_count; i++) {

@@ -3,15 +3,8 @@
 #include "exact.h"
 #include "kernels/shade.h"
 #include "project.h"
-#include "stages.h"
 #include "triples.h"
 #include "visibility.h"
-
-static bool are_asked_quickly(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
-                              shb_quick_bias *quick) {
-    return map->context->shade_kernels->quick && (!filter || filter->filter == shb_hard_test) &&
-           shb_quick_bias_of(map, bias, quick);
-}
 
 bool shb_packed_points_init(shb_packed_points *packed, const shb_map *map, const shb_points *points,
                             const shb_bias *bias, const shb_filter *filter, float *visibility) {
@@ -25,7 +18,7 @@ bool shb_packed_points_init(shb_packed_points *packed, const shb_map *map, const
     packed->by_planes = shb_exact_is_hard(bias, filter) && !map->classifies &&
                         shb_map_holds(map, SHB_OCCLUDERS_PLANES);
     packed->quick.plane = true;
-    return (packed->by_planes || are_asked_quickly(map, bias, filter, &packed->quick)) &&
+    return (packed->by_planes || shb_is_asked_quickly(map, bias, filter, &packed->quick)) &&
            shb_triple_stride(points->position_stride) == gapless &&
            (!packed->quick.plane || shb_triple_stride(points->normal_stride) == gapless);
 }

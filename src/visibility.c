@@ -54,6 +54,12 @@ void shb_visibility_in_full(const shb_map *map, const shb_bias *bias, const shb_
     filter->filter(&filter_args);
 }
 
+bool shb_is_asked_quickly(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
+                          shb_quick_bias *quick) {
+    return map->context->shade_kernels->quick && (!filter || filter->filter == shb_hard_test) &&
+           shb_quick_bias_of(map, bias, quick);
+}
+
 /* Positions, and with_normals: normals, where they lie elsewhere. */
 static void copy_points(const shb_quick_points *from, size_t count, bool with_normals,
                         shb_receivers *to) {
@@ -72,13 +78,13 @@ void shb_visibility_batch(const shb_map *map, const shb_bias *bias, const shb_fi
                           const shb_asked_batch *batch, const shb_quick_points *points,
                           shb_quick_test *test, shb_receivers *receivers, float *visibility) {
     const size_t count = batch->count;
-    const shb_shade_kernels *kernels = map->context->shade_kernels;
     SHB_ALIGN float asked[SHB_BATCH];
     uint16_t doubtful[SHB_BATCH];
     shb_quick_bias quick;
     size_t left = SIZE_MAX;
-    if (kernels->quick && filter->filter == shb_hard_test && shb_quick_bias_of(map, bias, &quick))
-        left = kernels->quick(map, &quick, count, points, test, visibility, doubtful);
+    if (shb_is_asked_quickly(map, bias, filter, &quick))
+        left = map->context->shade_kernels->quick(map, &quick, count, points, test, visibility,
+                                                  doubtful);
     if (left == SIZE_MAX) {
         copy_points(points, count, shb_visibility_needs_normals(map, bias, filter), receivers);
         shb_visibility_in_full(map, bias, filter, batch, receivers, visibility);

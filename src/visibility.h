@@ -18,6 +18,10 @@ shb_result shb_points_check(const shb_context *context, const char *caller,
 bool shb_visibility_needs_normals(const shb_map *map, const shb_bias *bias,
                                   const shb_filter *filter);
 
+/* True if the quick test may answer the method by the filter, NULL: hard; quick receives how. */
+bool shb_is_asked_quickly(const shb_map *map, const shb_bias *bias, const shb_filter *filter,
+                          shb_quick_bias *quick);
+
 typedef struct shb_asked_batch {
     size_t count;
     bool lifted;                  /* the positions were moved off their surface */
