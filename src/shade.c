@@ -118,7 +118,8 @@ static void smooth_normals(uint32_t light, size_t lanes, const shb_fragments *fr
     }
 }
 
-/* What light number light is asked about. */
+/* What light number light is asked about. Where the terminator is smooth, all triangles of the
+ * batch count as facing it afterwards. */
 static shb_quick_points asked_points(const shading *job, size_t light, size_t count,
                                      workspace *work) {
     const shb_fragments *fragments = &work->batch.fragments;
