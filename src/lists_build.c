@@ -77,7 +77,7 @@ static size_t memory_of(const build *b, size_t tiles, size_t cells) {
            lists->sheets.stride * lists->sheets.height * sizeof *lists->sheets.bounds;
 }
 
-/* One line more than rows need, so that vectors may read behind them. */
+/* Rows have a cache line more than they need: vectors may read behind them. */
 static bool reserve_sheets(build *b) {
     shb_lists *lists = b->lists;
     shb_sheets *sheets = &lists->sheets;
