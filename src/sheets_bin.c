@@ -14,8 +14,8 @@ bool shb_sheet_bins_reserve(shb_context *context, const shb_map_info *info, size
     *bins = (shb_sheet_bins){.triangle_count = triangle_count,
                              .tile_columns = (info->width + TILE - 1) / TILE};
     bins->tile_count = bins->tile_columns * ((info->height + TILE - 1) / TILE);
-    bins->boxes = shb_buffer_reserve(context, &scratch[SHB_SHEET_BOXES], triangle_count,
-                                     sizeof *bins->boxes);
+    bins->boxes =
+        shb_buffer_reserve(context, &scratch[SHB_SHEET_BOXES], triangle_count, sizeof *bins->boxes);
     bins->ends = shb_buffer_reserve(context, &scratch[SHB_SHEET_ENDS], bins->tile_count,
                                     PARTS * sizeof *bins->ends);
     return bins->boxes && bins->ends;
