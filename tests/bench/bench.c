@@ -24,15 +24,16 @@ static bool measure_scene(bench_session *session, const char *name, bool with_li
         return false;
     }
     subject_title(name, title, sizeof title);
-    const bool done =
-        stages_draw(session, scene, title) && (!with_light || stages_light(session, scene, title));
+    const bool done = stages_draw(session, scene, title) &&
+                      (!with_light || (stages_moving(session, scene, title) &&
+                                       stages_light(session, scene, title)));
     scene_close(scene);
     return done;
 }
 
 static bool measure_scenes(bench_session *session) {
-    static const char *const groups[] = {"depth",   "camera",     "dual",  "cull",
-                                         "prepare", "visibility", "shade", "frame"};
+    static const char *const groups[] = {"depth",  "camera",     "dual",  "cull", "prepare",
+                                         "moving", "visibility", "shade", "frame"};
     bool wanted = false;
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
         wanted |= options_want(&session->options, groups[i], NULL);
@@ -42,7 +43,7 @@ static bool measure_scenes(bench_session *session) {
     bool done = list_scenes(&session->options, &list);
     if (!done)
         fprintf(stderr, "bench: no memory for the list of scenes\n");
-    progress_begin(&session->progress, list.count * 8);
+    progress_begin(&session->progress, list.count * 9);
     for (size_t i = 0; i < list.count && done; i++)
         done = measure_scene(session, list.names[i], i == 0 || !session->options.quick);
     progress_end(&session->progress);

@@ -18,6 +18,7 @@ static const char notes[] =
     "  dual         two closest depths as the light sees them  triangle\n"
     "  cull         everything lies beside the view            triangle\n"
     "  prepare      clusters of the scene's meshes             triangle\n"
+    "  moving       maps of vertices that move each time       triangle\n"
     "  visibility   hard:METHOD, fragments of a camera's view  fragment\n"
     "  shade        shade:METHOD, Lambert under one light      fragment\n"
     "  frame        frame:METHOD, map, camera and shading      fragment\n"
@@ -33,16 +34,17 @@ static const char notes[] =
     "frame have 1024 x 1024 pixels, or more until half a million fragments are in sight.\n"
     "hard:exact asks planes; by triangles, by lists and by points that name their triangles it is\n"
     "hard:exact-triangles, -triangles-named, -lists and -lists-named.\n"
-    "shade has a map of 2048, frame the methods constant and adaptive, unless options name "
-    "others.\n"
+    "moving draws depth alone, and with planes, triangles and lists for hard:exact.\n"
+    "moving and shade have a map of 2048, frame the methods constant and adaptive, unless\n"
+    "options name others.\n"
     "With one thread, times are its processor time; with more, time on the wall. Medians are\n"
     "of at least 15 runs (5 with --quick); scalar: of 3, or 1 with --quick or above 0.1 s.\n"
     "limit: the time to write the images once by 64-byte stores (visibility, shade and frame: to\n"
     "copy the bytes that they must read and write), one thread, divided by the time taken.\n"
     "Cycles come from a chain of additions timed at the start.\n";
 
-static const char *const groups[] = {"depth", "camera", "dual",  "cull",   "prepare", "visibility",
-                                     "shade", "frame",  "goals", "ratios", "soft"};
+static const char *const groups[] = {"depth",      "camera", "dual",  "cull",  "prepare", "moving",
+                                     "visibility", "shade",  "frame", "goals", "ratios",  "soft"};
 
 /* True for a stage of the exact method on a map of its own. */
 static bool is_exact(const char *stage) {

@@ -12,6 +12,9 @@ bool stages_measure(bench_session *session, bench_work work, bench_work scalar, 
  * the scene with clusters, and the others once more with them. */
 bool stages_draw(bench_session *session, example_scene *scene, const char *title);
 
+/* Maps of the scene with vertices that move, for each kind of occluders. */
+bool stages_moving(bench_session *session, const example_scene *scene, const char *title);
+
 /* All stages with light and shadow: visibility, shade, frame. */
 bool stages_light(bench_session *session, const example_scene *scene, const char *title);
 
