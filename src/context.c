@@ -123,6 +123,7 @@ void shb_context_destroy(shb_context *context) {
     free_buffers(&last, last.occluder_scratch, sizeof(last.occluder_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.list_scratch, sizeof(last.list_scratch) / sizeof(shb_buffer));
     free_buffers(&last, last.sheet_scratch, sizeof(last.sheet_scratch) / sizeof(shb_buffer));
+    free_buffers(&last, last.topology_scratch, sizeof(last.topology_scratch) / sizeof(shb_buffer));
     shb_free(&last, context);
 }
 

@@ -30,7 +30,8 @@ struct shb_context {
     shb_buffer draw_scratch[SHB_SCRATCH_BUFFERS];
     shb_buffer occluder_scratch[4]; /* named in map.h */
     shb_buffer list_scratch[SHB_LIST_BUFFERS];
-    shb_buffer sheet_scratch[6]; /* named in sheets_bin.h */
+    shb_buffer sheet_scratch[7];    /* named in sheets_bin.h */
+    shb_buffer topology_scratch[8]; /* named in topology.h */
     pthread_mutex_t topology_mutex;
     struct shb_shared_topology *topologies; /* those that maps use, see shared_topologies.h */
 };

@@ -53,15 +53,10 @@ static void see_vertices(void *arg, size_t task) {
     job->extents[task] = extent;
 }
 
-static bool see_all_vertices(const shb_context *context, mesh_job *job) {
+static void see_all_vertices(const shb_context *context, mesh_job *job) {
     const size_t tasks = tasks_of(job->mesh->topology->vertex_count);
-    job->extents = shb_alloc(context, tasks, sizeof *job->extents);
-    if (!job->extents)
-        return false;
     shb_parallel_for(context, see_vertices, job, tasks);
     shb_list_frame_fit(&job->mesh->frame, tasks, job->extents);
-    shb_free(context, job->extents);
-    return true;
 }
 
 void shb_light_mesh_corners(const shb_light_mesh *mesh, uint32_t id, uint32_t lane,
@@ -168,17 +163,18 @@ bool shb_light_mesh_make(shb_context *context, const shb_map_info *info,
                          shb_light_box *boxes, shb_light_mesh *mesh) {
     *mesh = (shb_light_mesh){.topology = topology, .triangles = triangles};
     mesh_job job = {mesh, boxes, triangles, shb_sheet_kernels_of(context->isa), NULL};
-    shb_buffer *scratch = context->sheet_scratch;
     const size_t vertices = topology->vertex_count, count = topology->triangle_count;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SHEET_VERTICES], vertices,
-                            sizeof *mesh->vertices) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SHEET_FACING], count, sizeof *mesh->facing))
+    shb_buffer *scratch = context->sheet_scratch;
+    mesh->vertices =
+        shb_buffer_reserve(context, &scratch[SHB_SHEET_VERTICES], vertices, sizeof *mesh->vertices);
+    mesh->facing =
+        shb_buffer_reserve(context, &scratch[SHB_SHEET_FACING], count, sizeof *mesh->facing);
+    job.extents = shb_buffer_reserve(context, &scratch[SHB_SHEET_EXTENTS], tasks_of(vertices),
+                                     sizeof *job.extents);
+    if (!mesh->vertices || !mesh->facing || !job.extents ||
+        shb_list_frame_init(&info->view, info->width, info->height, &mesh->frame) != SHB_OK)
         return false;
-    mesh->vertices = scratch[SHB_SHEET_VERTICES].data;
-    mesh->facing = scratch[SHB_SHEET_FACING].data;
-    if (shb_list_frame_init(&info->view, info->width, info->height, &mesh->frame) != SHB_OK ||
-        !see_all_vertices(context, &job))
-        return false;
+    see_all_vertices(context, &job);
     shb_parallel_for(context, see_triangles, &job, tasks_of(count));
     if (triangles)
         shb_parallel_for(context, make_walk_triangles, &job, tasks_of(count));

@@ -87,7 +87,7 @@ void shb_occluders_release(const shb_map *map, const shb_occluder_data *made) {
         if (made->kept[i].data != held->kept[i].data)
             shb_free(map->context, made->kept[i].data);
     shb_topology topology = made->topology;
-    shb_topology_leave(map->context, &topology);
+    shb_topology_return(map->context, &topology);
 }
 
 /* Memory of an earlier drawing is taken from the context, and given back for the next one. */
@@ -137,7 +137,7 @@ static bool is_known(const shb_map *map, const shb_occluder_data *made) {
 static bool prepare_mesh(const shb_map *map, const shb_scene *scene, bool walks,
                          shb_occluder_data *made) {
     shb_context *context = map->context;
-    if (!shb_topology_join(context, scene, &made->topology))
+    if (!shb_topology_join(context, scene, &map->occluders.topology, &made->topology))
         return false;
     if (walks && is_known(map, made)) {
         made->mesh = map->occluders.mesh;
@@ -184,10 +184,10 @@ static size_t texel_bytes(const shb_map *map) {
 }
 
 static size_t scene_bytes(const shb_occluder_data *data) {
-    const size_t triangle = data->planes ? sizeof *data->planes + sizeof *data->world_planes +
-                                               sizeof *data->mesh.triangles
-                                         : 0;
-    return data->plane_count * triangle + shb_topology_bytes(&data->topology);
+    size_t bytes = shb_topology_bytes(&data->topology);
+    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
+        bytes += data->kept[i].size;
+    return bytes;
 }
 
 void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *made) {
@@ -197,7 +197,7 @@ void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *mad
         return_kept(map->context, &map->occluders);
     if (is_new)
         release_drawn(context, &map->occluders);
-    shb_topology_leave(map->context, &map->occluders.topology);
+    shb_topology_return(map->context, &map->occluders.topology);
     map->occluders = *made;
     shb_occluder_data *data = &map->occluders;
     data->mesh.topology = &data->topology;

@@ -24,9 +24,9 @@ static bool join_used(shb_context *context, uint64_t key, uint64_t triangle_coun
 }
 
 static bool join_new(shb_context *context, const shb_scene *scene, uint64_t key,
-                     shb_topology *topology) {
+                     const shb_topology *known, shb_topology *topology) {
     shared_topology *made = shb_alloc(context, 1, sizeof *made);
-    if (!made || !shb_topology_make(context, scene, key, topology)) {
+    if (!made || !shb_topology_make(context, scene, key, known, topology)) {
         shb_free(context, made);
         return false;
     }
@@ -39,10 +39,11 @@ static bool join_new(shb_context *context, const shb_scene *scene, uint64_t key,
     return true;
 }
 
-bool shb_topology_join(shb_context *context, const shb_scene *scene, shb_topology *topology) {
+bool shb_topology_join(shb_context *context, const shb_scene *scene, const shb_topology *known,
+                       shb_topology *topology) {
     const uint64_t key = shb_topology_key(scene);
     return join_used(context, key, shb_scene_triangle_count(scene), topology) ||
-           join_new(context, scene, key, topology);
+           join_new(context, scene, key, known, topology);
 }
 
 /* Taken out of the list if nobody uses it any more; else NULL. */
@@ -60,12 +61,23 @@ static shared_topology *drop_user(shb_context *context, const shb_topology *topo
     return found;
 }
 
-void shb_topology_leave(shb_context *context, shb_topology *topology) {
-    if (!topology->corners)
-        return;
-    shared_topology *unused = drop_user(context, topology);
-    if (unused)
-        shb_topology_release(context, topology);
-    shb_free(context, unused);
+/* Empties *topology; what is left of it is to be freed: NULL if others use it, or it was empty. */
+static shared_topology *leave(shb_context *context, shb_topology *topology) {
+    shared_topology *unused = topology->corners ? drop_user(context, topology) : NULL;
     *topology = (shb_topology){0};
+    return unused;
+}
+
+void shb_topology_return(shb_context *context, shb_topology *topology) {
+    shared_topology *unused = leave(context, topology);
+    if (unused)
+        shb_topology_recycle(context, &unused->topology);
+    shb_free(context, unused);
+}
+
+void shb_topology_leave(shb_context *context, shb_topology *topology) {
+    shared_topology *unused = leave(context, topology);
+    if (unused)
+        shb_topology_release(context, &unused->topology);
+    shb_free(context, unused);
 }

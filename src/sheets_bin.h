@@ -13,8 +13,9 @@ enum {
     SHB_SHEET_ENDS,
     SHB_SHEET_KEYS,
     SHB_SHEET_SPARE,
-    SHB_SHEET_VERTICES, /* of a light's mesh that is not kept */
-    SHB_SHEET_FACING
+    SHB_SHEET_VERTICES, /* of a light's mesh while a scene is drawn, as the rest */
+    SHB_SHEET_FACING,
+    SHB_SHEET_EXTENTS
 };
 
 typedef struct shb_sheet_bins {

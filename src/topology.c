@@ -1,5 +1,5 @@
-/* Vertices are welded by a hash table over those of the meshes; edges meet in buckets, one for each
- * vertex. Both are filled in the order of triangles, so that the result depends on nothing else. */
+/* Edges meet in buckets, one for each vertex. They are filled in the order of triangles, so that
+ * the result depends on nothing else. */
 #include "strict.h"
 
 #include "topology.h"
@@ -7,6 +7,7 @@
 #include "clusters.h"
 #include "hash.h"
 #include "scene.h"
+#include "weld.h"
 
 #include <string.h>
 
@@ -59,102 +60,12 @@ uint64_t shb_topology_key(const shb_scene *scene) {
     return key_of(&key);
 }
 
-/* Slots of a hash table of count entries: a power of two, of which at least half stay free. */
-static size_t table_size(size_t count) {
-    size_t size = 16;
-    while (size < 2 * count)
-        size *= 2;
-    return size;
+static void *reserve(shb_context *context, size_t number, size_t count, size_t size) {
+    return shb_buffer_reserve(context, &context->topology_scratch[number], count, size);
 }
 
-typedef struct weld_table {
-    size_t mask;
-    uint32_t *slots;  /* SHB_ID_NONE: free */
-    uint32_t *welded; /* of a mesh's vertices; SHB_ID_NONE: not yet */
-    shb_topology *topology;
-} weld_table;
-
-/* Adding 0 turns -0 to 0. */
-static uint32_t weld(weld_table *table, shb_vec3 point) {
-    shb_topology *t = table->topology;
-    const double p[3] = {point.x + 0.0, point.y + 0.0, point.z + 0.0};
-    size_t slot = shb_position_key(p) & table->mask;
-    for (; table->slots[slot] != SHB_ID_NONE; slot = (slot + 1) & table->mask)
-        if (memcmp(t->positions[table->slots[slot]], p, sizeof p) == 0)
-            return table->slots[slot];
-    table->slots[slot] = (uint32_t)t->vertex_count;
-    memcpy(t->positions[t->vertex_count], p, sizeof p);
-    return (uint32_t)t->vertex_count++;
-}
-
-static void weld_instance(weld_table *table, const shb_instance *instance, uint32_t (*corners)[3]) {
-    const shb_mesh *mesh = instance->mesh;
-    const shb_mat4 transform = shb_instance_transform(instance);
-    if (mesh->triangle_count == 0)
-        return;
-    memset(table->welded, 0xff, mesh->vertex_count * sizeof *table->welded);
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-        uint32_t vertices[3];
-        shb_mesh_triangle(mesh, t, vertices);
-        for (int k = 0; k < 3; k++) {
-            uint32_t *welded = &table->welded[vertices[k]];
-            if (*welded == SHB_ID_NONE) {
-                const shb_vec3 point = shb_mesh_point(mesh, vertices[k]);
-                *welded = weld(table, mat4_transform_point(&transform, point));
-            }
-            corners[t][k] = *welded;
-        }
-    }
-}
-
-/* The most vertices that can be left, and the most of one instance. */
-static size_t count_vertices(const shb_scene *scene, size_t *largest) {
-    size_t all = 0;
-    *largest = 0;
-    for (size_t i = 0; i < scene->instance_count; i++) {
-        const shb_mesh *mesh = scene->instances[i].mesh;
-        const size_t corners = 3 * (size_t)mesh->triangle_count;
-        all += corners < mesh->vertex_count ? corners : mesh->vertex_count;
-        if (corners && mesh->vertex_count > *largest)
-            *largest = mesh->vertex_count;
-    }
-    return all;
-}
-
-/* Gives back what welded vertices took; false: out of memory. */
-static bool fit_positions(const shb_context *context, shb_topology *t) {
-    double(*const kept)[3] = shb_alloc(context, t->vertex_count + 1, sizeof *kept);
-    if (!kept)
-        return false;
-    memcpy(kept, t->positions, t->vertex_count * sizeof *kept);
-    shb_free(context, t->positions);
-    t->positions = kept;
-    return true;
-}
-
-static bool weld_scene(const shb_context *context, const shb_scene *scene, shb_topology *t) {
-    size_t largest;
-    const size_t vertices = count_vertices(scene, &largest), size = table_size(vertices);
-    weld_table table = {.mask = size - 1,
-                        .slots = shb_alloc(context, size, sizeof *table.slots),
-                        .welded = shb_alloc(context, largest, sizeof *table.welded),
-                        .topology = t};
-    t->positions = shb_alloc(context, vertices + 1, sizeof *t->positions);
-    bool done = table.slots && table.welded && t->positions;
-    if (done) {
-        memset(table.slots, 0xff, size * sizeof *table.slots);
-        uint32_t(*corners)[3] = t->corners;
-        for (size_t i = 0; i < scene->instance_count; i++) {
-            weld_instance(&table, &scene->instances[i], corners);
-            corners += scene->instances[i].mesh->triangle_count;
-        }
-    }
-    shb_free(context, table.slots);
-    shb_free(context, table.welded);
-    if (done && t->vertex_count < vertices)
-        done = fit_positions(context, t);
-    return done;
-}
+/* Triangles that are linked together, so that memory is waited for once. */
+enum { TOGETHER = 32 };
 
 /* An edge and the sides that have it. A side is four times a triangle plus k, for the edge from
  * corner k to the next. */
@@ -163,20 +74,22 @@ typedef struct edge_entry {
     uint32_t first, second; /* SHB_ID_NONE: no second */
 } edge_entry;
 
-/* Edges by the one of their vertices that has fewer sides, so that no bucket grows long. */
-typedef struct edge_buckets {
-    uint32_t *degrees; /* sides of each vertex */
-    uint32_t *lengths; /* entries of each bucket */
-    size_t *begins;    /* of the buckets */
+/* The edges of a vertex: each edge is at the one of its vertices that has fewer sides, so that no
+ * bucket grows long. */
+typedef struct edge_bucket {
+    uint32_t degree;        /* sides that the vertex begins */
+    uint32_t begin, length; /* of its entries */
+} edge_bucket;
+
+typedef struct edge_table {
+    shb_topology *topology;
+    edge_bucket *buckets; /* of the vertices */
     edge_entry *entries;
-} edge_buckets;
+} edge_table;
 
-static uint32_t first_vertex(const shb_topology *t, uint32_t side) {
-    return t->corners[side >> 2][side & 3];
-}
-
-static uint32_t second_vertex(const shb_topology *t, uint32_t side) {
-    return t->corners[side >> 2][((side & 3) + 1) % 3];
+/* The vertex of a side's triangle so many corners beyond the side's first one. */
+static uint32_t vertex_at(const shb_topology *t, uint32_t side, uint32_t step) {
+    return t->corners[side >> 2][((side & 3) + step) % 3];
 }
 
 static void set_neighbour(shb_topology *t, uint32_t side, uint32_t neighbour) {
@@ -191,145 +104,195 @@ static uint32_t neighbour_at(const shb_topology *t, uint32_t side, bool is_turne
 }
 
 /* Two sides make neighbours; a third one undoes them, so that the mesh ends there. */
-static void add_side(shb_topology *t, edge_entry *edge, uint32_t side) {
+static void join_side(shb_topology *t, edge_entry *edge, uint32_t side) {
     if (edge->second != SHB_ID_NONE) {
         set_neighbour(t, edge->first, SHB_ID_NONE);
         set_neighbour(t, edge->second, SHB_ID_NONE);
         return;
     }
-    const bool is_turned = first_vertex(t, edge->first) == first_vertex(t, side);
+    const bool is_turned = vertex_at(t, edge->first, 0) == vertex_at(t, side, 0);
     edge->second = side;
     set_neighbour(t, edge->first, neighbour_at(t, side, is_turned));
     set_neighbour(t, side, neighbour_at(t, edge->first, is_turned));
 }
 
-/* The vertex whose bucket has the edge of a side, and the other one. */
-static uint32_t bucket_of(const edge_buckets *buckets, const shb_topology *t, uint32_t side,
-                          uint32_t *other) {
-    const uint32_t a = first_vertex(t, side), b = second_vertex(t, side);
-    const uint32_t at_a = buckets->degrees[a], at_b = buckets->degrees[b];
-    const bool takes_a = at_a < at_b || (at_a == at_b && a < b);
+/* The bucket that has the edge of a side; other: the edge's vertex beside the bucket's own. */
+static edge_bucket *bucket_of(const edge_table *table, uint32_t side, uint32_t *other) {
+    const uint32_t a = vertex_at(table->topology, side, 0);
+    const uint32_t b = vertex_at(table->topology, side, 1);
+    edge_bucket *at_a = &table->buckets[a], *at_b = &table->buckets[b];
+    const bool takes_a = at_a->degree < at_b->degree || (at_a->degree == at_b->degree && a < b);
     *other = takes_a ? b : a;
-    return takes_a ? a : b;
+    return takes_a ? at_a : at_b;
 }
 
-static bool has_vertex(const uint32_t corners[3], uint32_t vertex) {
-    return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
+/* The edge that a bucket has with another vertex; without a side if it is new. */
+static edge_entry *find_edge(const edge_table *table, edge_bucket *bucket, uint32_t other) {
+    edge_entry *entry = table->entries + bucket->begin, *const end = entry + bucket->length;
+    while (entry < end && entry->other != other)
+        entry++;
+    if (entry == end) {
+        bucket->length++;
+        *entry = (edge_entry){other, SHB_ID_NONE, SHB_ID_NONE};
+    }
+    return entry;
 }
 
+static void link_side(const edge_table *table, edge_entry *edge, uint32_t side) {
+    if (edge->first == SHB_ID_NONE)
+        edge->first = side;
+    else
+        join_side(table->topology, edge, side);
+}
+
+/* The triangles of two sides of one edge have the third vertex in common, too. */
 static bool are_twins(const shb_topology *t, uint32_t a, uint32_t b) {
-    const uint32_t *x = t->corners[a], *y = t->corners[b];
-    return has_vertex(y, x[0]) && has_vertex(y, x[1]) && has_vertex(y, x[2]) &&
-           has_vertex(x, y[0]) && has_vertex(x, y[1]) && has_vertex(x, y[2]);
-}
-
-/* Among the first two that have its first edge. */
-static bool is_twin(const edge_buckets *buckets, const shb_topology *t, uint32_t triangle) {
-    uint32_t other;
-    const uint32_t vertex = bucket_of(buckets, t, triangle << 2, &other);
-    const edge_entry *entries = buckets->entries + buckets->begins[vertex];
-    for (uint32_t i = 0; i < buckets->lengths[vertex]; i++)
-        if (entries[i].other == other)
-            return are_twins(t, entries[i].first >> 2, triangle) ||
-                   (entries[i].second != SHB_ID_NONE &&
-                    are_twins(t, entries[i].second >> 2, triangle));
-    return false;
-}
-
-static void link_side(edge_buckets *buckets, shb_topology *t, uint32_t side) {
-    uint32_t other;
-    const uint32_t vertex = bucket_of(buckets, t, side, &other);
-    edge_entry *entries = buckets->entries + buckets->begins[vertex];
-    const uint32_t length = buckets->lengths[vertex];
-    for (uint32_t i = 0; i < length; i++)
-        if (entries[i].other == other) {
-            add_side(t, &entries[i], side);
-            return;
-        }
-    entries[length] = (edge_entry){other, side, SHB_ID_NONE};
-    buckets->lengths[vertex]++;
+    return a != SHB_ID_NONE && vertex_at(t, a, 2) == vertex_at(t, b, 2);
 }
 
 static bool is_collapsed(const uint32_t corners[3]) {
     return corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
 }
 
-/* A triangle whose corners fall together has no neighbours: it lies on an edge of others. */
-static void link_triangle(edge_buckets *buckets, shb_topology *t, uint32_t triangle) {
-    if (is_collapsed(t->corners[triangle]))
-        return;
-    const bool twin = is_twin(buckets, t, triangle);
-    for (uint32_t k = 0; k < 3; k++)
-        if (twin)
-            t->neighbours[triangle][k] = SHB_TWIN;
-        else
-            link_side(buckets, t, triangle << 2 | k);
+/* Where to look for a triangle's sides. */
+typedef struct side_places {
+    edge_bucket *buckets[3];
+    uint32_t others[3];
+} side_places;
+
+static void find_buckets(const edge_table *table, uint32_t triangle, side_places *places) {
+    for (uint32_t k = 0; k < 3; k++) {
+        places->buckets[k] = bucket_of(table, triangle << 2 | k, &places->others[k]);
+        __builtin_prefetch(&table->entries[places->buckets[k]->begin]);
+    }
 }
 
-static void count_sides(edge_buckets *buckets, const shb_topology *t) {
+/* A triangle whose corners fall together has no neighbours: it lies on an edge of others. Twins are
+ * looked for among the first two that have its first edge. */
+static void link_triangle(const edge_table *table, uint32_t triangle, const side_places *places) {
+    shb_topology *t = table->topology;
+    const uint32_t side = triangle << 2;
+    if (is_collapsed(t->corners[triangle]))
+        return;
+    edge_entry *edge = find_edge(table, places->buckets[0], places->others[0]);
+    if (are_twins(t, edge->first, side) || are_twins(t, edge->second, side)) {
+        for (int k = 0; k < 3; k++)
+            t->neighbours[triangle][k] = SHB_TWIN;
+        return;
+    }
+    link_side(table, edge, side);
+    for (uint32_t k = 1; k < 3; k++) {
+        edge = find_edge(table, places->buckets[k], places->others[k]);
+        link_side(table, edge, side | k);
+    }
+}
+
+static void link_triangles(const edge_table *table) {
+    const size_t count = table->topology->triangle_count;
+    side_places places[TOGETHER];
+    for (size_t begin = 0; begin < count; begin += TOGETHER) {
+        const size_t batch = count - begin < TOGETHER ? count - begin : TOGETHER;
+        for (size_t i = 0; i < batch; i++)
+            find_buckets(table, (uint32_t)(begin + i), &places[i]);
+        for (size_t i = 0; i < batch; i++)
+            link_triangle(table, (uint32_t)(begin + i), &places[i]);
+    }
+}
+
+/* Divides the entries among the buckets: as many as there may be edges. */
+static void place_buckets(const edge_table *table) {
+    const shb_topology *t = table->topology;
     for (size_t i = 0; i < t->triangle_count; i++)
         for (int k = 0; k < 3; k++)
-            buckets->degrees[t->corners[i][k]]++;
+            table->buckets[t->corners[i][k]].degree++;
     for (uint32_t i = 0; i < t->triangle_count; i++)
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t other;
-            buckets->lengths[bucket_of(buckets, t, i << 2 | k, &other)]++;
+            bucket_of(table, i << 2 | k, &other)->length++;
         }
-    size_t begin = 0;
+    uint32_t begin = 0;
     for (size_t i = 0; i < t->vertex_count; i++) {
-        buckets->begins[i] = begin;
-        begin += buckets->lengths[i];
-        buckets->lengths[i] = 0;
+        edge_bucket *bucket = &table->buckets[i];
+        bucket->begin = begin;
+        begin += bucket->length;
+        bucket->length = 0;
     }
 }
 
-static bool link_edges(const shb_context *context, shb_topology *t) {
+/* Writes the neighbours; false: out of memory. */
+static bool link_edges(shb_context *context, shb_topology *t) {
     const size_t vertices = t->vertex_count, sides = 3 * t->triangle_count;
-    edge_buckets buckets = {shb_alloc(context, vertices, sizeof *buckets.degrees),
-                            shb_alloc(context, vertices, sizeof *buckets.lengths),
-                            shb_alloc(context, vertices, sizeof *buckets.begins),
-                            shb_alloc(context, sides, sizeof *buckets.entries)};
-    const bool done = buckets.degrees && buckets.lengths && buckets.begins && buckets.entries;
-    if (done) {
-        memset(buckets.degrees, 0, vertices * sizeof *buckets.degrees);
-        memset(buckets.lengths, 0, vertices * sizeof *buckets.lengths);
-        memset(t->neighbours, 0xff, t->triangle_count * sizeof *t->neighbours);
-        count_sides(&buckets, t);
-        for (uint32_t i = 0; i < t->triangle_count; i++)
-            link_triangle(&buckets, t, i);
-    }
-    shb_free(context, buckets.degrees);
-    shb_free(context, buckets.lengths);
-    shb_free(context, buckets.begins);
-    shb_free(context, buckets.entries);
-    return done;
+    const edge_table table = {
+        .topology = t,
+        .buckets = reserve(context, SHB_TOPOLOGY_BUCKETS, vertices, sizeof *table.buckets),
+        .entries = reserve(context, SHB_TOPOLOGY_ENTRIES, sides, sizeof *table.entries)};
+    if (!table.buckets || !table.entries)
+        return false;
+    memset(table.buckets, 0, vertices * sizeof *table.buckets);
+    memset(t->neighbours, 0xff, t->triangle_count * sizeof *t->neighbours);
+    place_buckets(&table);
+    link_triangles(&table);
+    return true;
 }
 
-bool shb_topology_make(const shb_context *context, const shb_scene *scene, uint64_t key,
-                       shb_topology *topology) {
+static bool has_corners_of(const shb_topology *t, const shb_topology *other) {
+    return other->corners && t->triangle_count == other->triangle_count &&
+           memcmp(t->corners, other->corners, t->triangle_count * sizeof *t->corners) == 0;
+}
+
+/* Neighbours depend on nothing but corners. */
+static bool find_neighbours(shb_context *context, const shb_topology *known, shb_topology *t) {
+    if (!has_corners_of(t, known))
+        return link_edges(context, t);
+    memcpy(t->neighbours, known->neighbours, t->triangle_count * sizeof *t->neighbours);
+    return true;
+}
+
+/* The topology takes the memory that it was made in along. */
+static void take_memory(shb_context *context, shb_topology *t) {
+    for (int i = 0; i < SHB_TOPOLOGY_KEPT; i++) {
+        t->memory[i] = context->topology_scratch[i];
+        context->topology_scratch[i] = (shb_buffer){NULL, 0};
+    }
+}
+
+bool shb_topology_make(shb_context *context, const shb_scene *scene, uint64_t key,
+                       const shb_topology *known, shb_topology *topology) {
     const size_t count = (size_t)shb_scene_triangle_count(scene);
     *topology = (shb_topology){0};
     if (count > TRIANGLES_MAX)
         return false;
-    topology->key = key;
-    topology->triangle_count = count;
-    topology->corners = shb_alloc(context, count, sizeof *topology->corners);
-    topology->neighbours = shb_alloc(context, count, sizeof *topology->neighbours);
-    if (topology->corners && topology->neighbours && weld_scene(context, scene, topology) &&
-        link_edges(context, topology))
-        return true;
+    shb_topology made = {
+        .triangle_count = count,
+        .corners = reserve(context, SHB_TOPOLOGY_CORNERS, count, sizeof *made.corners),
+        .neighbours = reserve(context, SHB_TOPOLOGY_NEIGHBOURS, count, sizeof *made.neighbours),
+        .key = key};
+    if (!made.corners || !made.neighbours || !shb_weld_scene(context, scene, &made) ||
+        !find_neighbours(context, known, &made))
+        return false;
+    take_memory(context, &made);
+    *topology = made;
+    return true;
+}
+
+void shb_topology_recycle(shb_context *context, shb_topology *topology) {
+    for (int i = 0; i < SHB_TOPOLOGY_KEPT; i++) {
+        const shb_buffer spare = context->topology_scratch[i];
+        context->topology_scratch[i] = topology->memory[i];
+        topology->memory[i] = spare;
+    }
     shb_topology_release(context, topology);
-    return false;
 }
 
 void shb_topology_release(const shb_context *context, shb_topology *topology) {
-    shb_free(context, topology->corners);
-    shb_free(context, topology->neighbours);
-    shb_free(context, topology->positions);
+    for (int i = 0; i < SHB_TOPOLOGY_KEPT; i++)
+        shb_free(context, topology->memory[i].data);
     *topology = (shb_topology){0};
 }
 
-size_t shb_topology_bytes(const shb_topology *t) {
-    return t->triangle_count * (sizeof *t->corners + sizeof *t->neighbours) +
-           t->vertex_count * sizeof *t->positions;
+size_t shb_topology_bytes(const shb_topology *topology) {
+    size_t bytes = 0;
+    for (int i = 0; i < SHB_TOPOLOGY_KEPT; i++)
+        bytes += topology->memory[i].size;
+    return bytes;
 }

@@ -6,6 +6,26 @@
 #include "context.h"
 #include "shadowbias/scene.h"
 
+/* What the buffers of a context's topology_scratch hold. */
+enum {
+    /* memory of the next topology */
+    SHB_TOPOLOGY_CORNERS,
+    SHB_TOPOLOGY_NEIGHBOURS,
+    SHB_TOPOLOGY_POSITIONS,
+    SHB_TOPOLOGY_KEPT, /* how many these are */
+    /* while vertices are welded */
+    SHB_TOPOLOGY_WORLD = SHB_TOPOLOGY_KEPT, /* positions, before it is known how many are left */
+    SHB_TOPOLOGY_SLOTS,
+    SHB_TOPOLOGY_WELDED,
+    /* while edges are linked */
+    SHB_TOPOLOGY_BUCKETS,
+    SHB_TOPOLOGY_ENTRIES,
+    SHB_TOPOLOGY_BUFFERS
+};
+_Static_assert(sizeof((shb_context *)0)->topology_scratch ==
+                   SHB_TOPOLOGY_BUFFERS * sizeof(shb_buffer),
+               "a buffer of the context for each name");
+
 typedef struct shb_topology {
     size_t triangle_count, vertex_count;
     uint32_t (*corners)[3];    /* vertices of each triangle, by id */
@@ -13,6 +33,7 @@ typedef struct shb_topology {
                                   SHB_TWIN: a triangle before this one has the same vertices */
     double (*positions)[3];    /* of the vertices, world */
     uint64_t key;              /* of the scene that it was made of */
+    shb_buffer memory[SHB_TOPOLOGY_KEPT]; /* where all the above is */
 } shb_topology;
 
 #define SHB_TWIN 0xfffffffeu
@@ -53,10 +74,15 @@ uint64_t shb_mesh_key(const shb_mesh *mesh);
  * mesh with clusters as they were then. Scenes that differ have equal ones once in 2^64. */
 uint64_t shb_topology_key(const shb_scene *scene);
 
-/* Fills the topology of a scene that has passed the checks of drawing; false: out of memory, or
- * more than 2^29 - 1 triangles; *topology is empty then. */
-bool shb_topology_make(const shb_context *context, const shb_scene *scene, uint64_t key,
-                       shb_topology *topology);
+/* Fills the topology of a scene that has passed the checks of drawing. Where vertices have moved,
+ * but those that were one are so still, the neighbours are those of known, which may be empty.
+ * False: out of memory, or more than 2^29 - 1 triangles; *topology is empty then. */
+bool shb_topology_make(shb_context *context, const shb_scene *scene, uint64_t key,
+                       const shb_topology *known, shb_topology *topology);
+
+/* Both leave *topology empty. The first keeps its memory in the context for the next one: only
+ * where no other is made at the same time. */
+void shb_topology_recycle(shb_context *context, shb_topology *topology);
 void shb_topology_release(const shb_context *context, shb_topology *topology);
 
 size_t shb_topology_bytes(const shb_topology *topology);

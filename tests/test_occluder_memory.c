@@ -153,6 +153,30 @@ TEST(triangles_follow_a_scene_that_changes_and_come_back) {
     close_host(&h);
 }
 
+/* Memory of two drawings is enough for all that follow, but for an entry of the context's list. */
+TEST(triangles_of_a_scene_that_changes_take_no_new_memory) {
+    soup high = {0}, low = {0};
+    add_plate(&high, 0.5f);
+    add_plate(&low, 0.125f);
+    host h;
+    open_host(&h, SHB_OCCLUDERS_TRIANGLES);
+    size_t calls = 0, bytes = 0, live = 0;
+    for (int i = 0; i < 6; i++) {
+        CHECK_INT(shb_map_draw(h.map, soup_scene(i % 2 ? &high : &low), NULL, NULL), SHB_OK);
+        if (i >= 2) {
+            CHECK_INT(h.allocator.calls - calls, 1);
+            CHECK_INT(h.allocator.live, live);
+            CHECK_INT(memory_of(&h), bytes);
+        }
+        calls = h.allocator.calls;
+        live = h.allocator.live;
+        bytes = memory_of(&h);
+    }
+    soup_free(&high);
+    soup_free(&low);
+    close_host(&h);
+}
+
 /* Bytes that a host has given and not got back. The size lies before each allocation. */
 static void *give(void *user, size_t size, size_t alignment) {
     size_t *const given = user;
@@ -195,4 +219,30 @@ TEST(a_map_tells_the_memory_that_it_gives_back) {
         CHECK_INT(given, 0);
     }
     soup_free(&s);
+}
+
+/* Memory that was made for more triangles is told, and stays with the map. */
+TEST(a_map_tells_the_memory_that_it_keeps_of_a_larger_scene) {
+    soup plate = {0}, ball = {0};
+    add_plate(&plate, 0.5f);
+    soup_add_ball(&ball, (float[]){0, 0, 0}, 60, 30, NULL);
+    soup *const drawn[] = {&ball, &ball, &plate, &ball, &plate, &plate};
+    for (size_t count = 1; count <= sizeof drawn / sizeof *drawn; count++) {
+        size_t given = 0;
+        shb_context *context = NULL;
+        shb_map *map = NULL;
+        const shb_context_desc desc = {.allocator = {give, take_back, &given}, .threads = 1};
+        CHECK_INT(shb_context_create(&desc, &context), SHB_OK);
+        const shb_map_desc map_desc = {
+            .view = probe_orthographic(false), .width = SIZE, .occluders = SHB_OCCLUDERS_TRIANGLES};
+        CHECK_INT(shb_map_create(context, &map_desc, &map), SHB_OK);
+        for (size_t i = 0; i < count; i++)
+            CHECK_INT(shb_map_draw(map, soup_scene(drawn[i]), NULL, NULL), SHB_OK);
+        const size_t told = shb_map_get_info(map)->memory_bytes, before = given;
+        shb_map_destroy(map);
+        CHECK(before - given >= told && before - given < told + 8192);
+        shb_context_destroy(context);
+    }
+    soup_free(&plate);
+    soup_free(&ball);
 }
