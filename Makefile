@@ -39,7 +39,8 @@ STABILITY_SRC := $(wildcard tests/stability/*.c)
 REPORT_SRC := $(wildcard examples/report/*.c)
 
 object = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
-OBJECTS := $(call object,$(LIB_SRC) $(SUPPORT_SRC) $(TEST_SRC) $(BENCH_SRC) $(STABILITY_SRC) $(REPORT_SRC) $(wildcard examples/*.c tests/bench/peers/*.c))
+EMULATED := $(patsubst %,$(BUILD)/obj/emulated/%.o,cpu kernels/kernels_avx512)
+OBJECTS := $(EMULATED) $(call object,$(LIB_SRC) $(SUPPORT_SRC) $(TEST_SRC) $(BENCH_SRC) $(STABILITY_SRC) $(REPORT_SRC) $(wildcard examples/*.c tests/bench/peers/*.c))
 
 all: $(LIBRARY) $(EXAMPLES) $(BUILD)/report
 
@@ -47,10 +48,12 @@ $(LIBRARY): $(call object,$(LIB_SRC))
 	$(Q)rm -f $@
 	$(Q)$(AR) rcs $@ $^
 
-PROGRAMS := $(EXAMPLES) $(addprefix $(BUILD)/,check bench stability report)
+PROGRAMS := $(EXAMPLES) $(addprefix $(BUILD)/,check check_emulated bench stability report)
 
 $(EXAMPLES): $(BUILD)/%: $(BUILD)/obj/examples/%.o
-$(BUILD)/check: $(call object,$(TEST_SRC) $(filter-out %/stability.c,$(STABILITY_SRC)) \
+$(BUILD)/check_emulated: $(EMULATED)
+$(BUILD)/check $(BUILD)/check_emulated: $(call object,$(TEST_SRC) \
+		$(filter-out %/stability.c,$(STABILITY_SRC)) \
 		$(filter-out %/report/report.c,$(REPORT_SRC)))
 $(BUILD)/bench: $(call object,$(BENCH_SRC))
 $(BUILD)/stability: $(call object,$(STABILITY_SRC))
@@ -80,6 +83,11 @@ $(shell mkdir -p $(BUILD)/obj && echo '$(CC) $(FLAGS)' | cmp -s - $(STAMP) || ec
 $(BUILD)/obj/%.o: %.c $(STAMP)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(FLAGS) $(if $(filter src/%,$<),,-Iexamples/support -Itests/support -Itests/bench) -c -o $@ $<
+
+# The tests with AVX-512 emulated: these objects come before their namesakes in the library.
+$(BUILD)/obj/emulated/%.o: src/%.c $(STAMP)
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) -O1 -mavx2 -Wno-psabi -include tests/support/emulated_avx512.h -c -o $@ $<
 
 demo soft: %: $(BUILD)/%
 	$(Q)mkdir -p $(BUILD)/out

@@ -52,12 +52,12 @@ static inline wi16 wi_or_three16(wi16 a, wi16 b, wi16 c) {
     return _mm512_ternarylogic_epi32(a, b, c, 0xfe);
 }
 static inline wf16 wf_min_inside16(wi16 edges, wf16 z, wf16 q) {
-    const __mmask16 inside = _mm512_cmp_epi32_mask(edges, _mm512_setzero_si512(), _MM_CMPINT_NLT);
+    const __mmask16 inside = _mm512_cmpge_epi32_mask(edges, _mm512_setzero_si512());
     return _mm512_mask_min_ps(q, inside, z, q);
 }
 /* Equal depths are rare: only they need the old ids. */
 static inline void wi_store_closer16(uint32_t *ids, wi16 edges, wf16 z, wf16 q, wi16 id) {
-    const __mmask16 inside = _mm512_cmp_epi32_mask(edges, _mm512_setzero_si512(), _MM_CMPINT_NLT);
+    const __mmask16 inside = _mm512_cmpge_epi32_mask(edges, _mm512_setzero_si512());
     const __mmask16 equal = _mm512_mask_cmp_ps_mask(inside, z, q, _CMP_EQ_OQ);
     __mmask16 wins = _mm512_mask_cmp_ps_mask(inside, z, q, _CMP_LT_OQ);
     if (__builtin_expect(equal != 0, 0))
