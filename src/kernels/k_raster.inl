@@ -247,6 +247,21 @@ draw_classes(const uint32_t ids[SHB_CHUNK], const shb_tile *tile, int layers,
     }
 }
 
+/* Functions of their own, as one for all takes compilers twice as long. */
+#define DRAW_LAYERS(name, layers)                                                                  \
+    static __attribute__((noinline)) void name(                                                    \
+        const uint32_t ids[SHB_CHUNK], const shb_tile *tile, const chunk_boxes *boxes,             \
+        const chunk_planes *planes, const tiny_samples *samples, const uint8_t classes[SHB_CHUNK], \
+        uint8_t highest) {                                                                         \
+        draw_classes(ids, tile, layers, boxes, planes, samples, classes, highest);                 \
+    }
+DRAW_LAYERS(draw_depths, 0)
+DRAW_LAYERS(draw_ids, LAYER_IDS)
+DRAW_LAYERS(draw_seconds, LAYER_SECOND)
+DRAW_LAYERS(draw_planes, LAYER_IDS | LAYER_PLANES)
+DRAW_LAYERS(draw_all, LAYER_IDS | LAYER_SECOND)
+#undef DRAW_LAYERS
+
 /* Of the chunk's triangles, or of those listed. */
 static void find_ids(const shb_chunk *chunk, int count, const int32_t *list,
                      uint32_t ids[SHB_CHUNK]) {
@@ -369,20 +384,19 @@ static void draw_corners(const shb_chunk *chunk, const shb_tile *tile, int count
         sample_tiny(count, layers, planes, &samples);
     switch (layers) {
     case 0:
-        draw_classes(ids, tile, 0, boxes, planes, &samples, classes, highest);
+        draw_depths(ids, tile, boxes, planes, &samples, classes, highest);
         break;
     case LAYER_IDS:
-        draw_classes(ids, tile, LAYER_IDS, boxes, planes, &samples, classes, highest);
+        draw_ids(ids, tile, boxes, planes, &samples, classes, highest);
         break;
     case LAYER_SECOND:
-        draw_classes(ids, tile, LAYER_SECOND, boxes, planes, &samples, classes, highest);
+        draw_seconds(ids, tile, boxes, planes, &samples, classes, highest);
         break;
     case LAYER_IDS | LAYER_PLANES:
-        draw_classes(ids, tile, LAYER_IDS | LAYER_PLANES, boxes, planes, &samples, classes,
-                     highest);
+        draw_planes(ids, tile, boxes, planes, &samples, classes, highest);
         break;
     default:
-        draw_classes(ids, tile, layers & ~LAYER_PLANES, boxes, planes, &samples, classes, highest);
+        draw_all(ids, tile, boxes, planes, &samples, classes, highest);
     }
 }
 
