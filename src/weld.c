@@ -130,8 +130,9 @@ bool shb_weld_scene(shb_context *context, const shb_scene *scene, shb_topology *
         corners += scene->instances[i].mesh->triangle_count;
     }
     t->vertex_count = table.count;
-    t->positions = shb_buffer_reserve(context, &scratch[SHB_TOPOLOGY_POSITIONS], table.count,
-                                      sizeof *t->positions);
+    /* Vectors read four numbers of a position. */
+    t->positions = shb_buffer_reserve(context, &scratch[SHB_TOPOLOGY_POSITIONS],
+                                      (size_t)table.count + 1, sizeof *t->positions);
     if (t->positions)
         memcpy(t->positions, table.positions, table.count * sizeof *t->positions);
     return t->positions != NULL;
