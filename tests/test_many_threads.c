@@ -235,6 +235,16 @@ static void close_play(play *p) {
     free(p);
 }
 
+/* With more stack than shading needs, which some systems do not give. */
+static int start_thread(pthread_t *thread, void *(*run)(void *), void *arg) {
+    pthread_attr_t attributes;
+    pthread_attr_init(&attributes);
+    pthread_attr_setstacksize(&attributes, (size_t)8 << 20);
+    const int failed = pthread_create(thread, &attributes, run, arg);
+    pthread_attr_destroy(&attributes);
+    return failed;
+}
+
 static void run_beside(play *p, shb_context *context) {
     static void *(*const works[])(void *) = {keep_asking, keep_asking, keep_asking, keep_making,
                                              keep_drawing_elsewhere};
@@ -248,7 +258,7 @@ static void run_beside(play *p, shb_context *context) {
     }
     for (int i = 0; i < WORKERS; i++) {
         workers[i].play = p;
-        CHECK_INT(pthread_create(&workers[i].thread, NULL, works[i], &workers[i]), 0);
+        CHECK_INT(start_thread(&workers[i].thread, works[i], &workers[i]), 0);
     }
     for (int round = 0; round < ROUNDS; round++) {
         picture shaded;
@@ -295,7 +305,7 @@ static void run_on_new_threads(void *user, shb_task_fn *task, void *arg, size_t 
     host_job job = {task, arg, count, 0};
     pthread_t threads[THREADS];
     for (int i = 0; i < THREADS; i++)
-        *(int *)user += pthread_create(&threads[i], NULL, take_tasks, &job) != 0;
+        *(int *)user += start_thread(&threads[i], take_tasks, &job) != 0;
     for (int i = 0; i < THREADS; i++)
         pthread_join(threads[i], NULL);
 }
