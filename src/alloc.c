@@ -57,3 +57,24 @@ void *shb_buffer_reserve(const shb_context *context, shb_buffer *buffer, size_t 
     buffer->size = buffer->data ? count * size : 0;
     return buffer->data;
 }
+
+void shb_buffers_move(size_t count, shb_buffer *from, shb_buffer *to) {
+    for (size_t i = 0; i < count; i++) {
+        to[i] = from[i];
+        from[i] = (shb_buffer){NULL, 0};
+    }
+}
+
+void shb_buffers_free(const shb_context *context, size_t count, shb_buffer *buffers) {
+    for (size_t i = 0; i < count; i++) {
+        shb_free(context, buffers[i].data);
+        buffers[i] = (shb_buffer){NULL, 0};
+    }
+}
+
+size_t shb_buffers_bytes(size_t count, const shb_buffer *buffers) {
+    size_t bytes = 0;
+    for (size_t i = 0; i < count; i++)
+        bytes += buffers[i].size;
+    return bytes;
+}

@@ -150,12 +150,12 @@ static void look_at_block(void *arg, size_t index) {
 static bool list_coded(shb_context *context, chunk_job *job, shb_chunks *chunks) {
     const size_t tasks = (job->chunk_count + CHUNKS_PER_TASK - 1) / CHUNKS_PER_TASK;
     shb_buffer *scratch = context->draw_scratch;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CODED], job->chunk_count,
-                            SHB_CHUNK * sizeof(shb_coded)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_STATS], tasks, sizeof *job->counts))
+    job->coded = shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CODED], job->chunk_count,
+                                    SHB_CHUNK * sizeof *job->coded);
+    job->counts =
+        shb_buffer_reserve(context, &scratch[SHB_SCRATCH_STATS], tasks, sizeof *job->counts);
+    if (!job->coded || !job->counts)
         return false;
-    job->coded = scratch[SHB_SCRATCH_CODED].data;
-    job->counts = scratch[SHB_SCRATCH_STATS].data;
     shb_parallel_for(context, look_at_block, job, tasks);
     for (size_t i = 0; i < tasks; i++) {
         memmove(job->coded + chunks->coded_count, job->coded + i * CHUNKS_PER_TASK * SHB_CHUNK,
@@ -171,17 +171,17 @@ bool shb_chunks_prepare(shb_context *context, const shb_geometry *geometry,
                         const shb_target *target, shb_chunks *chunks) {
     shb_buffer *scratch = context->draw_scratch;
     const size_t plain = count_chunks(geometry);
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_VERTICES], geometry->vertex_count,
-                            sizeof(shb_vertex)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CHUNKS], plain + geometry->cluster_count,
-                            sizeof(shb_chunk)))
+    shb_vertex *vertices = shb_buffer_reserve(context, &scratch[SHB_SCRATCH_VERTICES],
+                                              geometry->vertex_count, sizeof *vertices);
+    shb_chunk *listed = shb_buffer_reserve(context, &scratch[SHB_SCRATCH_CHUNKS],
+                                           plain + geometry->cluster_count, sizeof *listed);
+    if (!vertices || !listed)
         return false;
     chunk_job job = {.kernels = context->kernels,
                      .geometry = geometry,
                      .target = target,
-                     .vertices = scratch[SHB_SCRATCH_VERTICES].data,
-                     .chunks = scratch[SHB_SCRATCH_CHUNKS].data};
-    shb_chunk *listed = scratch[SHB_SCRATCH_CHUNKS].data;
+                     .vertices = vertices,
+                     .chunks = listed};
     atomic_init(&job.any_coded, false);
     const uint64_t blocks = (geometry->vertex_count + VERTICES_PER_TASK - 1) / VERTICES_PER_TASK;
     shb_parallel_for(context, transform_block, &job, blocks);

@@ -98,11 +98,13 @@ bool shb_chunks_bin(shb_context *context, const shb_target *target, const shb_ch
     bins->rows = ((uint32_t)target->samples.last_row >> shape.row_bits) + 1;
     const size_t tiles = (size_t)bins->columns * bins->rows;
     shb_buffer *scratch = context->draw_scratch;
-    if (!shb_buffer_reserve(context, &scratch[SHB_SCRATCH_BINS], blocks,
-                            (tiles + 1) * sizeof(uint16_t)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_BINNED], blocks,
-                            SHB_BLOCK_CAPACITY * sizeof(shb_binned)) ||
-        !shb_buffer_reserve(context, &scratch[SHB_SCRATCH_STATS], blocks, sizeof(uint32_t)))
+    uint16_t *ends =
+        shb_buffer_reserve(context, &scratch[SHB_SCRATCH_BINS], blocks, (tiles + 1) * sizeof *ends);
+    shb_binned *binned = shb_buffer_reserve(context, &scratch[SHB_SCRATCH_BINNED], blocks,
+                                            SHB_BLOCK_CAPACITY * sizeof *binned);
+    uint32_t *drawn =
+        shb_buffer_reserve(context, &scratch[SHB_SCRATCH_STATS], blocks, sizeof *drawn);
+    if (!ends || !binned || !drawn)
         return false;
     bin_job job = {.kernels = context->kernels,
                    .chunks = chunks,
@@ -110,9 +112,9 @@ bool shb_chunks_bin(shb_context *context, const shb_target *target, const shb_ch
                    .shape = shape,
                    .columns = bins->columns,
                    .tiles = tiles,
-                   .ends = scratch[SHB_SCRATCH_BINS].data,
-                   .binned = scratch[SHB_SCRATCH_BINNED].data,
-                   .drawn = scratch[SHB_SCRATCH_STATS].data};
+                   .ends = ends,
+                   .binned = binned,
+                   .drawn = drawn};
     shb_parallel_for(context, bin_block, &job, blocks);
     bins->blocks = blocks;
     bins->ends = job.ends;

@@ -300,12 +300,10 @@ static bool reserve_depths(shb_context *context, tile_job *job, size_t lanes, si
     if (!job->grid.direct || job->desc->depth.texels)
         return true;
     const size_t stride = common_stride(job->desc);
-    shb_buffer *buffer = &context->draw_scratch[SHB_SCRATCH_DEPTHS];
-    if (!shb_buffer_reserve(context, buffer, lanes, rows * stride))
-        return false;
-    job->depths = buffer->data;
+    job->depths = shb_buffer_reserve(context, &context->draw_scratch[SHB_SCRATCH_DEPTHS], lanes,
+                                     rows * stride);
     job->tile_depths = rows * stride / 4;
-    return true;
+    return job->depths != NULL;
 }
 
 static bool draw_tiles(shb_context *context, tile_job *job) {

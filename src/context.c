@@ -108,22 +108,19 @@ shb_result shb_context_create(const shb_context_desc *desc, shb_context **contex
     return SHB_OK;
 }
 
-static void free_buffers(const shb_context *context, const shb_buffer *buffers, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        shb_free(context, buffers[i].data);
-}
-
 void shb_context_destroy(shb_context *context) {
     if (!context)
         return;
-    const shb_context last = *context;
+    shb_context last = *context;
     shb_pool_destroy(&last, last.pool);
     pthread_mutex_destroy(&context->topology_mutex);
-    free_buffers(&last, last.draw_scratch, sizeof(last.draw_scratch) / sizeof(shb_buffer));
-    free_buffers(&last, last.occluder_scratch, sizeof(last.occluder_scratch) / sizeof(shb_buffer));
-    free_buffers(&last, last.list_scratch, sizeof(last.list_scratch) / sizeof(shb_buffer));
-    free_buffers(&last, last.sheet_scratch, sizeof(last.sheet_scratch) / sizeof(shb_buffer));
-    free_buffers(&last, last.topology_scratch, sizeof(last.topology_scratch) / sizeof(shb_buffer));
+    shb_buffers_free(&last, sizeof(last.draw_scratch) / sizeof(shb_buffer), last.draw_scratch);
+    shb_buffers_free(&last, sizeof(last.occluder_scratch) / sizeof(shb_buffer),
+                     last.occluder_scratch);
+    shb_buffers_free(&last, sizeof(last.list_scratch) / sizeof(shb_buffer), last.list_scratch);
+    shb_buffers_free(&last, sizeof(last.sheet_scratch) / sizeof(shb_buffer), last.sheet_scratch);
+    shb_buffers_free(&last, sizeof(last.topology_scratch) / sizeof(shb_buffer),
+                     last.topology_scratch);
     shb_free(&last, context);
 }
 

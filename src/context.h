@@ -50,6 +50,12 @@ void shb_free(const shb_context *context, void *memory);
  * of memory, the buffer is then empty. */
 void *shb_buffer_reserve(const shb_context *context, shb_buffer *buffer, size_t count, size_t size);
 
+/* Of count buffers. Moving and freeing leave them, or those moved from, empty; what to held is not
+ * freed. */
+void shb_buffers_move(size_t count, shb_buffer *from, shb_buffer *to);
+void shb_buffers_free(const shb_context *context, size_t count, shb_buffer *buffers);
+size_t shb_buffers_bytes(size_t count, const shb_buffer *buffers);
+
 /* Runs the tasks on the host's scheduler, the pool or the calling thread. */
 void shb_parallel_for(const shb_context *context, shb_task_fn *task, void *arg, size_t count);
 

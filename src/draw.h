@@ -5,9 +5,9 @@
 #include "drawn_plane.h"
 #include "shadowbias/bias.h"
 
-/* As shb_draw; with planes not NULL, the description's ids receive slopes, two halves over the
- * finder's unit, x in the lower one, and depths are raised as drawn_plane.h says. At equal depth
- * the lower pair of halves wins, as a signed number. The finder is asked by any thread.
+/* As shb_draw; with planes not NULL, the description's ids receive slopes (slopes.h) in the
+ * finder's unit, and depths are raised as drawn_plane.h says. At equal depth the lower word of
+ * slopes wins, as a signed number. The finder is asked by any thread.
  * combines not NULL: the description has a depth image and no second one, and the depth becomes
  * what this method's combine stage makes of two layers, the far depth where that is NaN. Any thread
  * calls the stage, too. */

@@ -150,14 +150,6 @@ static shb_result build_lists(build *b) {
     }
 }
 
-/* The lists take the memory that they were built in along. */
-static void take_memory(shb_context *context, shb_lists *lists) {
-    for (size_t i = 0; i < SHB_LIST_KEPT; i++) {
-        lists->memory[i] = context->list_scratch[i];
-        context->list_scratch[i] = (shb_buffer){0};
-    }
-}
-
 shb_result shb_lists_build(shb_context *context, const shb_lists_desc *desc, shb_lists **lists) {
     shb_lists *made = shb_alloc(context, 1, sizeof *made);
     if (!made)
@@ -172,7 +164,7 @@ shb_result shb_lists_build(shb_context *context, const shb_lists_desc *desc, shb
         shb_free(context, made);
         return result;
     }
-    take_memory(context, made);
+    shb_buffers_move(SHB_LIST_KEPT, context->list_scratch, made->memory);
     *lists = made;
     return SHB_OK;
 }
@@ -195,10 +187,8 @@ void shb_lists_recycle(shb_lists *lists) {
 void shb_lists_destroy(shb_lists *lists) {
     if (!lists)
         return;
-    const shb_context *context = lists->context;
-    for (size_t i = 0; i < SHB_LIST_KEPT; i++)
-        shb_free(context, lists->memory[i].data);
-    shb_free(context, lists);
+    shb_buffers_free(lists->context, SHB_LIST_KEPT, lists->memory);
+    shb_free(lists->context, lists);
 }
 
 shb_triangle shb_lists_triangle(const shb_lists *lists, uint32_t id) {

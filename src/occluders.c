@@ -63,10 +63,7 @@ bool shb_occluders_create(shb_map *map) {
 
 /* All that a drawing makes, but a topology that stays. */
 static void release_drawn(const shb_context *context, shb_occluder_data *data) {
-    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++) {
-        shb_free(context, data->kept[i].data);
-        data->kept[i] = (shb_buffer){NULL, 0};
-    }
+    shb_buffers_free(context, SHB_OCCLUDER_KEPT, data->kept);
     data->mesh = (shb_light_mesh){0};
     data->planes = NULL;
     data->world_planes = NULL;
@@ -90,41 +87,27 @@ void shb_occluders_release(const shb_map *map, const shb_occluder_data *made) {
     shb_topology_return(map->context, &topology);
 }
 
-/* Memory of an earlier drawing is taken from the context, and given back for the next one. */
-static void take_kept(shb_context *context, shb_occluder_data *made) {
-    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++) {
-        made->kept[i] = context->occluder_scratch[i];
-        context->occluder_scratch[i] = (shb_buffer){NULL, 0};
-    }
-}
-
-static void return_kept(shb_context *context, shb_occluder_data *data) {
-    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++) {
-        shb_free(context, context->occluder_scratch[i].data);
-        context->occluder_scratch[i] = data->kept[i];
-        data->kept[i] = (shb_buffer){NULL, 0};
-    }
-}
-
-/* What walks need: planes and the mesh as the light sees it. */
+/* What walks need: planes and the mesh as the light sees it, in memory of an earlier drawing, which
+ * is taken from the context. */
 static bool make_walked(const shb_map *map, const shb_scene *scene, shb_occluder_data *made) {
+    shb_context *context = map->context;
+    const size_t count = made->plane_count;
     shb_placed_scene placed;
-    shb_buffer *planes = &made->kept[SHB_OCCLUDER_PLANES];
-    shb_buffer *world_planes = &made->kept[SHB_OCCLUDER_WORLD_PLANES];
-    shb_buffer *triangles = &made->kept[SHB_OCCLUDER_TRIANGLES];
-    take_kept(map->context, made);
-    if (!shb_buffer_reserve(map->context, planes, made->plane_count, sizeof *made->planes) ||
-        !shb_buffer_reserve(map->context, world_planes, made->plane_count,
-                            sizeof *made->world_planes) ||
-        !shb_buffer_reserve(map->context, triangles, made->plane_count,
-                            sizeof *made->mesh.triangles) ||
-        !shb_placed_scene_make(map->context, scene, &placed) ||
-        !shb_light_mesh_make(map->context, &map->info, &made->topology, triangles->data,
+    shb_buffer *kept = made->kept;
+    shb_buffers_move(SHB_OCCLUDER_KEPT, context->occluder_scratch, kept);
+    shb_occluder_plane *planes =
+        shb_buffer_reserve(context, &kept[SHB_OCCLUDER_PLANES], count, sizeof *planes);
+    shb_world_plane *world_planes =
+        shb_buffer_reserve(context, &kept[SHB_OCCLUDER_WORLD_PLANES], count, sizeof *world_planes);
+    shb_walk_triangle *triangles =
+        shb_buffer_reserve(context, &kept[SHB_OCCLUDER_TRIANGLES], count, sizeof *triangles);
+    if (!planes || !world_planes || !triangles || !shb_placed_scene_make(context, scene, &placed) ||
+        !shb_light_mesh_make(context, &map->info, &made->topology, triangles,
                              shb_map_keeps_sheets(map) ? made->bins.boxes : NULL, &made->mesh))
         return false;
-    made->planes = planes->data;
-    made->world_planes = world_planes->data;
-    shb_occluder_planes_make(map, &placed, made->plane_count, made->planes, made->world_planes);
+    made->planes = planes;
+    made->world_planes = world_planes;
+    shb_occluder_planes_make(map, &placed, count, planes, world_planes);
     return true;
 }
 
@@ -184,17 +167,16 @@ static size_t texel_bytes(const shb_map *map) {
 }
 
 static size_t scene_bytes(const shb_occluder_data *data) {
-    size_t bytes = shb_topology_bytes(&data->topology);
-    for (int i = 0; i < SHB_OCCLUDER_KEPT; i++)
-        bytes += data->kept[i].size;
-    return bytes;
+    return shb_topology_bytes(&data->topology) + shb_buffers_bytes(SHB_OCCLUDER_KEPT, data->kept);
 }
 
 void shb_occluders_finish(shb_map *map, bool keeps, const shb_occluder_data *made) {
-    const shb_context *context = map->context;
+    shb_context *context = map->context;
     const bool is_new = made->planes != map->occluders.planes;
-    if (is_new && made->planes)
-        return_kept(map->context, &map->occluders);
+    if (is_new && made->planes) {
+        shb_buffers_free(context, SHB_OCCLUDER_KEPT, context->occluder_scratch);
+        shb_buffers_move(SHB_OCCLUDER_KEPT, map->occluders.kept, context->occluder_scratch);
+    }
     if (is_new)
         release_drawn(context, &map->occluders);
     shb_topology_return(map->context, &map->occluders.topology);

@@ -248,14 +248,6 @@ static bool find_neighbours(shb_context *context, const shb_topology *known, shb
     return true;
 }
 
-/* The topology takes the memory that it was made in along. */
-static void take_memory(shb_context *context, shb_topology *t) {
-    for (int i = 0; i < SHB_TOPOLOGY_KEPT; i++) {
-        t->memory[i] = context->topology_scratch[i];
-        context->topology_scratch[i] = (shb_buffer){NULL, 0};
-    }
-}
-
 bool shb_topology_make(shb_context *context, const shb_scene *scene, uint64_t key,
                        const shb_topology *known, shb_topology *topology) {
     const size_t count = (size_t)shb_scene_triangle_count(scene);
@@ -270,29 +262,22 @@ bool shb_topology_make(shb_context *context, const shb_scene *scene, uint64_t ke
     if (!made.corners || !made.neighbours || !shb_weld_scene(context, scene, &made) ||
         !find_neighbours(context, known, &made))
         return false;
-    take_memory(context, &made);
+    shb_buffers_move(SHB_TOPOLOGY_KEPT, context->topology_scratch, made.memory);
     *topology = made;
     return true;
 }
 
 void shb_topology_recycle(shb_context *context, shb_topology *topology) {
-    for (int i = 0; i < SHB_TOPOLOGY_KEPT; i++) {
-        const shb_buffer spare = context->topology_scratch[i];
-        context->topology_scratch[i] = topology->memory[i];
-        topology->memory[i] = spare;
-    }
-    shb_topology_release(context, topology);
+    shb_buffers_free(context, SHB_TOPOLOGY_KEPT, context->topology_scratch);
+    shb_buffers_move(SHB_TOPOLOGY_KEPT, topology->memory, context->topology_scratch);
+    *topology = (shb_topology){0};
 }
 
 void shb_topology_release(const shb_context *context, shb_topology *topology) {
-    for (int i = 0; i < SHB_TOPOLOGY_KEPT; i++)
-        shb_free(context, topology->memory[i].data);
+    shb_buffers_free(context, SHB_TOPOLOGY_KEPT, topology->memory);
     *topology = (shb_topology){0};
 }
 
 size_t shb_topology_bytes(const shb_topology *topology) {
-    size_t bytes = 0;
-    for (int i = 0; i < SHB_TOPOLOGY_KEPT; i++)
-        bytes += topology->memory[i].size;
-    return bytes;
+    return shb_buffers_bytes(SHB_TOPOLOGY_KEPT, topology->memory);
 }

@@ -1,5 +1,4 @@
 /* Lists in views whose near plane cuts what is seen, or where arithmetic is at its limits. */
-#include "asked_map.h"
 #include "contexts.h"
 #include "list_samples.h"
 
@@ -7,7 +6,6 @@
 #include <string.h>
 
 #include "oracle.h"
-#include "probe.h"
 #include "test.h"
 
 /* The truth for a light whose rays begin at the near plane: 113 bits, no hierarchy, plane by plane.
@@ -277,56 +275,4 @@ TEST(points_before_a_steep_near_plane_are_lit) {
     shb_lists_destroy(lists);
     shb_context_destroy(context);
     soup_free(&s);
-}
-
-/* What lists say of points, by map and for certain. */
-typedef struct list_answers {
-    float visibility[ASKED_POINTS];
-    uint8_t certain[ASKED_POINTS];
-} list_answers;
-
-static void ask_lists(const shb_view *view, soup *s, const asked_points *given, list_answers *out) {
-    const shb_map_desc desc = {.view = *view,
-                               .width = 128,
-                               .occluders = SHB_OCCLUDERS_LISTS,
-                               .classifies = true,
-                               .exact_only = true};
-    const shb_points points = {.count = ASKED_POINTS, .positions = given->positions};
-    asked_map made = asked_map_draw(SHB_ISA_BEST, &desc, s);
-    asked_map_ask(&made, given, NULL, out->visibility);
-    CHECK_INT(shb_map_classify(made.map, &points, out->certain), SHB_OK);
-    asked_map_close(&made);
-}
-
-/* Down to depths that are nothing in floats. */
-TEST(lists_answer_the_same_however_deep_the_view_is) {
-    static asked_points given;
-    static list_answers expected, deep;
-    for (int kind = 0; kind < 4; kind++) {
-        soup s = {0};
-        asked_scene_add(&s);
-        if (kind / 2)
-            asked_scene_lift(&s);
-        asked_points_fill(&s, 3, &given);
-        const bool reversed = kind % 2;
-        const shb_view near = kind / 2 ? probe_perspective(reversed) : probe_orthographic(reversed);
-        ask_lists(&near, &s, &given, &expected);
-        for (int exponent = -100; exponent > -1000; exponent -= exponent > -170 ? 6 : 200) {
-            shb_view view = near;
-            for (int column = 0; column < 4; column++)
-                view.clip_from_world.m[4 * column + 2] *= ldexp(1, exponent);
-            ask_lists(&view, &s, &given, &deep);
-            size_t others = 0, against = 0;
-            for (int i = 0; i < ASKED_POINTS; i++) {
-                const int certain = deep.certain[i];
-                others += deep.visibility[i] != expected.visibility[i];
-                against +=
-                    certain != SHB_LIGHT_UNSURE &&
-                    certain != (expected.visibility[i] > 0 ? SHB_LIGHT_LIT : SHB_LIGHT_SHADOWED);
-            }
-            CHECK_INT(others, 0);
-            CHECK_INT(against, 0);
-        }
-        soup_free(&s);
-    }
 }

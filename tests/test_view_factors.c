@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+/* What a map says of points, and what it says for certain. */
 typedef struct factor_answers {
     float visibility[ASKED_POINTS];
     uint8_t certain[ASKED_POINTS];
@@ -95,4 +96,45 @@ TEST(planes_shadow_nothing_more_the_deeper_the_view_is) {
     }
     shb_context_destroy(context);
     soup_free(&s);
+}
+
+/* Down to depths that are nothing in floats. */
+TEST(lists_answer_the_same_however_deep_the_view_is) {
+    static asked_points given;
+    static factor_answers expected, deep;
+    shb_context *context = NULL;
+    CHECK_INT(shb_context_create(NULL, &context), SHB_OK);
+    for (int kind = 0; kind < 4; kind++) {
+        soup s = {0};
+        asked_scene_add(&s);
+        if (kind / 2)
+            asked_scene_lift(&s);
+        asked_points_fill(&s, 3, &given);
+        const bool reversed = kind % 2;
+        const shb_view near = kind / 2 ? probe_perspective(reversed) : probe_orthographic(reversed);
+        shb_map_desc desc = {.view = near,
+                             .width = 128,
+                             .occluders = SHB_OCCLUDERS_LISTS,
+                             .classifies = true,
+                             .exact_only = true};
+        ask_view(context, &desc, NULL, &s, &given, &expected);
+        for (int exponent = -100; exponent > -1000; exponent -= exponent > -170 ? 6 : 200) {
+            desc.view = near;
+            for (int column = 0; column < 4; column++)
+                desc.view.clip_from_world.m[4 * column + 2] *= ldexp(1, exponent);
+            ask_view(context, &desc, NULL, &s, &given, &deep);
+            size_t others = 0, against = 0;
+            for (int i = 0; i < ASKED_POINTS; i++) {
+                const int certain = deep.certain[i];
+                others += deep.visibility[i] != expected.visibility[i];
+                against +=
+                    certain != SHB_LIGHT_UNSURE &&
+                    certain != (expected.visibility[i] > 0 ? SHB_LIGHT_LIT : SHB_LIGHT_SHADOWED);
+            }
+            CHECK_INT(others, 0);
+            CHECK_INT(against, 0);
+        }
+        soup_free(&s);
+    }
+    shb_context_destroy(context);
 }

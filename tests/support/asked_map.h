@@ -42,7 +42,7 @@ void asked_scene_add(soup *s);
 /* A rough sheet, up to the edge of the map. */
 void asked_scene_add_relief(soup *s);
 
-/* A plane of 88.5 degrees, and many of so much that halves do not hold their slopes. */
+/* A plane of 88.5 degrees, and many that are too steep for their slopes to be kept. */
 void asked_scene_add_steep(soup *s);
 
 /* The probe's spot sees heights of 1 to 3. */
